@@ -1,0 +1,67 @@
+# `make` lists the targets. Linux and macOS; on Windows run the same commands by hand.
+
+PYTHON ?= python3
+PHOTO ?= examples/coffee.png
+SAMPLES ?= $(or $(FLEXDEPTH_SAMPLES),../shared/data)
+
+BIN := .venv/bin
+ALONE := $(BIN)/python -m pip --python .wheel-venv/bin/python
+DEMO := predict $(PHOTO) --preview --points glb --overwrite
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test wheel-test lint unit bench-quality bench-speed clean
+
+help:  ## list the targets
+	@awk -F ':.*  ## ' '/^[a-z-]+:.*  ## / {printf "%-14s %s\n", $$1, $$2}' Makefile
+
+demo: .venv/base.stamp  ## install the light runtime and write the depth of a photo into depth/
+	$(BIN)/flexdepth $(DEMO) -o depth
+
+test: wheel-test lint unit  ## check everything, from the wheel to the last test
+
+wheel-test: .venv/base.stamp  ## build the wheel, install it alone, run the demo there, measure it
+	rm -rf .wheel-venv build/wheel
+	$(PYTHON) -m venv --without-pip .wheel-venv
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir build/wheel .
+	$(ALONE) install --quiet -c constraints.txt build/wheel/*.whl
+	$(ALONE) check
+	.wheel-venv/bin/flexdepth $(DEMO) -o build/wheel/depth
+	.wheel-venv/bin/python .ci/light_install.py
+
+lint: .venv/full.stamp  ## ruff (format and rules), mypy --strict, the layers
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy --strict
+	$(BIN)/lint-imports
+
+unit: .venv/full.stamp  ## the tests
+	$(BIN)/python -m pytest
+
+bench-quality: .venv/full.stamp  ## error on real pictures with measured depth (SAMPLES=DIR)
+	$(BIN)/python benchmarks/quality.py --samples $(SAMPLES)
+
+bench-speed: .venv/full.stamp  ## time and memory
+	$(BIN)/python benchmarks/speed.py
+
+clean:  ## remove the environments, the builds and the caches; depth/ and runs/ stay
+	rm -rf .venv .wheel-venv build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf .import_linter_cache
+
+# The pinned versions first; where this Python has no wheels of them, the newest that fit.
+.venv/base.stamp: pyproject.toml constraints.txt | .python
+	@echo "installing flexdepth into .venv (about 200 MB to download, once)"
+	test -x $(BIN)/pip || $(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --only-binary :all: -c constraints.txt -e . \
+		|| $(BIN)/python -m pip install --quiet -e .
+	@touch $@
+
+.venv/full.stamp: .venv/base.stamp
+	@echo "installing torch and the tools into .venv (on Linux several GB, once)"
+	$(BIN)/python -m pip install --quiet -c constraints.txt -e '.[torch,dev]'
+	@touch $@
+
+.PHONY: .python
+.python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+		echo "flexdepth needs Python 3.11 or newer, but $(PYTHON) is not:" \
+			"make $(or $(MAKECMDGOALS),demo) PYTHON=python3.12" >&2; exit 1; }

@@ -1,0 +1,60 @@
+"""`flexdepth export CHECKPOINT -o BUNDLE`: make a trained network usable without torch."""
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from flexdepth.experiments.run import trained_network
+from flexdepth.export import export
+from flexdepth.runtime.bundle import Description
+from flexdepth.runtime.depthmap import Space
+
+
+@dataclass(frozen=True)
+class Export:
+    """Write a checkpoint's averaged network as an ONNX bundle for `flexdepth predict --model`.
+
+    The bundle's depth is compared with the network's before the file appears.
+    """
+
+    checkpoint: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="CHECKPOINT")]
+    """A .safetensors file that `flexdepth train` wrote."""
+    output: Annotated[Path, tyro.conf.arg(aliases=("-o",), metavar="BUNDLE")]
+    """The .onnx file to write; one that is there is replaced."""
+    name: str = "compact"
+    """What depth files made with the bundle say of their model."""
+    version: str = "0.1.0"
+    """Of the weights."""
+    licence: str = "MIT"
+    """Of the weights, as an SPDX identifier."""
+    source: str = "trained with flexdepth"
+    """How the weights were made, in one line."""
+    area: tuple[int, int] = (384, 288)
+    """Width and height whose product is the number of pixels that the network runs at."""
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Export the checkpoint that `arguments` name."""
+    settings = tyro.cli(Export, args=arguments, prog="flexdepth export")
+    network = trained_network(settings.checkpoint)
+    description = Description(
+        name=settings.name,
+        version=settings.version,
+        licence=settings.licence,
+        space=Space.METRIC,
+        area=settings.area,
+        multiple=32,
+        canonical_focal=network.settings.canonical_focal,
+        source=settings.source,
+    )
+    parity = export(network, description, settings.output)
+    megabytes = settings.output.stat().st_size / 1e6
+    sys.stdout.write(
+        f"{settings.output}: {megabytes:.1f} MB; depth differs from the network's by "
+        f"{parity.median:.2%} at the median, {parity.high:.2%} at the 99th percentile\n"
+    )
+    return 0

@@ -1,0 +1,63 @@
+"""How far a job is, and how long it will take, for a person who waits at a terminal."""
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.inputs import Input
+from flexdepth.runtime.job import Result
+
+Watch = Callable[[Path, int], None]
+
+
+def with_progress(
+    inputs: Sequence[Input], work: Callable[[Watch], Iterator[Result]]
+) -> Iterator[Result]:
+    """Give the results of `work` while a bar on stderr says how many pictures are left.
+
+    A photo counts as one picture, a video as its frames. There is no bar where nobody would see
+    it, that is where stderr is no terminal, nor for a single photo.
+
+    Args:
+        inputs: What is worked on.
+        work: Gives one result for each input, in order; it tells the function it is given how
+            many frames of which video are done.
+    """
+    console = Console(stderr=True)
+    steps = [_pictures(each) for each in inputs] if console.is_terminal else []
+    if sum(steps) < 2:
+        yield from work(lambda _path, _frames: None)
+        return
+    columns = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(inputs[0].path.name, total=sum(steps))
+        before = 0
+
+        def watch(path: Path, frames: int) -> None:
+            bar.update(task, completed=before + frames, description=path.name)
+
+        for step, result in zip(steps, work(watch), strict=False):
+            before += step
+            bar.update(task, completed=before, description=result.path.name)
+            yield result
+
+
+def _pictures(each: Input) -> int:
+    """Return about how many pictures an input holds."""
+    if not each.is_video:
+        return 1
+    # Photos do without FFmpeg, which takes a tenth of a second to load.
+    from flexdepth.runtime.video import frame_count  # noqa: PLC0415
+
+    try:
+        return frame_count(each.path) or 1
+    except InputError:
+        return 1

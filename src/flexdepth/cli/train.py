@@ -1,0 +1,57 @@
+"""`flexdepth train EXPERIMENT`: train a network, or go on where a run stopped."""
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from flexdepth.experiments.catalogue import CATALOGUE
+from flexdepth.experiments.experiment import Experiment
+from flexdepth.experiments.run import run_experiment
+from flexdepth.runtime.errors import InputError
+
+
+@dataclass(frozen=True)
+class Train:
+    """Train a named experiment; any field of it can be set to another value.
+
+    The run's folder gets `latest.safetensors`, `best.safetensors` (the lowest error on the held
+    out pairs) and `log.jsonl`. Started again with the same settings, a run goes on.
+    """
+
+    experiment: Annotated[Experiment, tyro.conf.arg(name="")]
+    """What is trained, on what and how."""
+    output_dir: Annotated[Path, tyro.conf.arg(aliases=("-o",), metavar="DIR")] = Path("runs")
+    """The run's folder."""
+    processes: Annotated[int, tyro.conf.arg(metavar="N")] = 1
+    """Processes that read and augment images while the network computes."""
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Train the experiment that the first argument names."""
+    if not arguments or arguments[0].startswith("-"):
+        arguments = ("compact", *arguments) if "--help" in arguments or "-h" in arguments else ()
+    if not arguments:
+        raise InputError(f"name an experiment: flexdepth train {next(iter(CATALOGUE))}")
+    name, *rest = arguments
+    if name not in CATALOGUE:
+        near = get_close_matches(name, CATALOGUE, n=1)
+        hint = f"did you mean {near[0]!r}?" if near else f"choose one of {sorted(CATALOGUE)}"
+        raise InputError(f"no experiment {name!r}; {hint}")
+    settings = tyro.cli(
+        Train,
+        args=rest,
+        prog=f"flexdepth train {name}",
+        default=Train(CATALOGUE[name], Path("runs") / name),
+    )
+    run_experiment(settings.experiment, settings.output_dir, settings.processes, _say)
+    return 0
+
+
+def _say(line: str) -> None:
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()

@@ -1,0 +1,1 @@
+"""Data sets: each file holds a frozen setting whose `load()` gives samples by number."""

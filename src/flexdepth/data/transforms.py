@@ -1,0 +1,150 @@
+"""From a stored pair to a training sample: crop, size, mirror, colour.
+
+Whatever moves the pixels moves image, depth and camera together. Depth stays in metres: a crop
+does not bring the world nearer, it makes the focal length longer in image diagonals.
+"""
+
+from dataclasses import dataclass
+from math import exp, log, sqrt
+
+import cv2
+import numpy as np
+import torch
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from flexdepth.data.folder import Pair
+from flexdepth.geometry.camera import Camera
+from flexdepth.runtime.depthmap import DepthMap, Intrinsics
+from flexdepth.sample import Frame, Sample, Truth
+
+
+@dataclass(frozen=True)
+class Crop:
+    """A random part of the image, brought to the wanted size, mirrored half of the time.
+
+    Attributes:
+        smallest: The least share of the largest possible crop's side that is kept.
+        stretch: Pixels are stretched sideways by at most this factor, or its inverse.
+    """
+
+    smallest: float = 0.55
+    stretch: float = 1.12
+
+    def __call__(self, rng: Generator, pair: Pair, width: int, height: int) -> Pair:
+        """Return the pair at `width` by `height`."""
+        rows, columns = pair.truth.values.shape
+        share = exp(rng.uniform(log(self.smallest), 0)) if rng.random() < 0.8 else 1.0
+        stretch = exp(rng.uniform(-1, 1) * log(self.stretch))
+        aspect = width / height * stretch
+        wide = share * min(columns, rows * aspect)
+        tall = wide / aspect
+        across, down = max(1, int(wide)), max(1, int(tall))
+        left, top = rng.integers(0, columns - across + 1), rng.integers(0, rows - down + 1)
+        box = (int(left), int(top), across, down)
+        cut = resized(cropped(pair, box), width, height)
+        return mirrored(cut) if rng.random() < 0.5 else cut
+
+
+@dataclass(frozen=True)
+class Colour:
+    """Random brightness, contrast, saturation, tint, gamma; at times grey, blur and noise.
+
+    Attributes:
+        strength: 1 is what photographs differ by; 0 leaves them alone.
+    """
+
+    strength: float = 1.0
+
+    def __call__(self, rng: Generator, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Return the image in another light, through another camera."""
+        s = self.strength
+        x: NDArray[np.floating] = image.astype(np.float32) / np.float32(255)
+        x = x ** float(np.exp(s * rng.normal(0, 0.18)))
+        x = x * np.exp(s * (rng.normal(0, 0.12) + rng.normal(0, 0.06, 3))).astype(np.float32)
+        grey = x @ np.array([0.299, 0.587, 0.114], np.float32)
+        saturation = 0.0 if rng.random() < 0.1 * s else float(np.exp(s * rng.normal(0, 0.3)))
+        x = grey[..., None] + saturation * (x - grey[..., None])
+        x = 0.5 + (x - 0.5) * float(np.exp(s * rng.normal(0, 0.15)))
+        if rng.random() < 0.25 * s:
+            x = np.asarray(cv2.GaussianBlur(x.astype(np.float32), (0, 0), rng.uniform(0.3, 1.2)))
+        if rng.random() < 0.25 * s:
+            x = x + rng.normal(0, rng.uniform(0, 0.04), x.shape)
+        return np.asarray((255 * np.clip(x, 0, 1)).round(), np.uint8)
+
+
+def cropped(pair: Pair, box: tuple[int, int, int, int]) -> Pair:
+    """Return the part of the pair in (left, top, width, height), in whole pixels."""
+    left, top, width, height = box
+    rows, columns = slice(top, top + height), slice(left, left + width)
+    camera = _camera(pair)
+    shifted = Intrinsics(
+        camera.focal_x, camera.focal_y, camera.centre_x - left, camera.centre_y - top, camera.source
+    )
+    return _remade(pair, pair.image[rows, columns], pair.truth.values[rows, columns], shifted)
+
+
+def resized(pair: Pair, width: int, height: int) -> Pair:
+    """Return the pair at another size: the image averaged, the depth of the nearest pixel.
+
+    Depth is never interpolated, for between two things there is nothing.
+    """
+    rows, columns = pair.truth.values.shape
+    shrinks = width * height < rows * columns
+    image = cv2.resize(
+        pair.image, (width, height), interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
+    )
+    depth = cv2.resize(pair.truth.values, (width, height), interpolation=cv2.INTER_NEAREST_EXACT)
+    camera = _camera(pair).scaled(width / columns, height / rows)
+    return _remade(pair, np.asarray(image, np.uint8), np.asarray(depth, np.float32), camera)
+
+
+def mirrored(pair: Pair) -> Pair:
+    """Return the pair with left and right exchanged."""
+    camera = _camera(pair)
+    width = pair.truth.values.shape[1]
+    turned = Intrinsics(
+        camera.focal_x, camera.focal_y, width - camera.centre_x, camera.centre_y, camera.source
+    )
+    return _remade(pair, pair.image[:, ::-1], pair.truth.values[:, ::-1], turned)
+
+
+def as_sample(pair: Pair) -> Sample:
+    """Return the pair as tensors."""
+    camera, depth = _camera(pair), np.ascontiguousarray(pair.truth.values)
+    image = np.ascontiguousarray(pair.image.transpose(2, 0, 1))
+    valid = pair.truth.valid & (depth > 0)
+    return Sample(
+        name=pair.name,
+        key=Frame(
+            torch.from_numpy(image).float() / 255,
+            Camera(
+                torch.tensor([camera.focal_x, camera.focal_y]),
+                torch.tensor([camera.centre_x, camera.centre_y]),
+            ),
+        ),
+        truth=Truth(
+            torch.from_numpy(np.where(valid, depth, 1)),
+            torch.from_numpy(valid),
+            torch.from_numpy(np.ascontiguousarray(pair.truth.sky)),
+        ),
+    )
+
+
+def fitted_size(width: int, height: int, area: int, multiple: int) -> tuple[int, int]:
+    """Return the size of about `area` pixels with the same shape, in multiples of `multiple`."""
+    scale = sqrt(area / (width * height))
+    across, down = (max(1, round(side * scale / multiple)) * multiple for side in (width, height))
+    return across, down
+
+
+def _camera(pair: Pair) -> Intrinsics:
+    if pair.truth.intrinsics is None:
+        raise ValueError(f"{pair.name} has no camera")
+    return pair.truth.intrinsics
+
+
+def _remade(
+    pair: Pair, image: NDArray[np.uint8], depth: NDArray[np.float32], camera: Intrinsics
+) -> Pair:
+    return Pair(pair.name, image, DepthMap(depth, pair.truth.space, camera, pair.truth.model))

@@ -1,0 +1,1 @@
+"""How good a depth map is: numbers against measured depth, and the fits that make it comparable."""

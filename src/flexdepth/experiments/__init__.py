@@ -1,0 +1,1 @@
+"""Named experiments: a network, what it is trained on and how, as one frozen record."""

@@ -1,0 +1,46 @@
+"""An experiment is a value; a variant of it is another value."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from flexdepth.codec import Codec
+from flexdepth.data.folder import Folder
+from flexdepth.losses import GradientMatching, Loss, Silog, Sky
+from flexdepth.networks import Network
+from flexdepth.networks.compact import Compact
+from flexdepth.networks.merge import Coefficient
+from flexdepth.training.loop import LoopSettings
+from flexdepth.training.objective import Term
+
+CODEC = Codec((Loss, Coefficient))
+"""Experiments as plain values, and back."""
+
+
+def _terms() -> Mapping[str, Term]:
+    return {
+        "silog": Term(Silog(0.85), 1.0),
+        "gradient": Term(GradientMatching(), 0.5),
+        "sky": Term(Sky(), 0.1),
+    }
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """Everything that decides the weights a run ends with.
+
+    Attributes:
+        network: What is trained.
+        data: Pairs to learn from.
+        held_out: Pairs to be judged on; its scenes are not among the training pairs.
+        terms: What is minimised.
+        loop: How long and how.
+        seed: Of the weights that do not come pretrained.
+    """
+
+    network: Network = field(default_factory=Compact)
+    data: Folder = field(default_factory=lambda: Folder(Path("renders/train")))
+    held_out: Folder = field(default_factory=lambda: Folder(Path("renders/heldout")))
+    terms: Mapping[str, Term] = field(default_factory=_terms)
+    loop: LoopSettings = field(default_factory=LoopSettings)
+    seed: int = 0

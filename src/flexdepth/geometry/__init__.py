@@ -1,0 +1,1 @@
+"""Cameras and depth as differentiable functions of tensors with free batch dimensions."""

@@ -1,0 +1,1 @@
+"""What `flexdepth predict` needs on a machine without torch."""

@@ -1,0 +1,40 @@
+"""Files that appear whole or not at all."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from secrets import token_hex
+
+from flexdepth.runtime.errors import InputError
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Give a temporary path beside `path` that becomes `path` when the block ends well.
+
+    Whoever looks at `path` sees the old file or the complete new one. The temporary name is
+    hidden, lies in the same folder (which is made where it is missing) and keeps the suffix, so
+    that writers which choose their format by suffix can be used. On any failure, Ctrl-C
+    included, it is removed and `path` stays as it was.
+
+    Args:
+        path: The file to make or to replace.
+
+    Raises:
+        InputError: The folder cannot be written, the disk is full, a folder stands in the way.
+    """
+    temporary = path.with_name(f".flexdepth-{token_hex(8)}{path.suffix}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            yield temporary
+            os.replace(temporary, path)
+        finally:
+            with suppress(OSError):
+                temporary.unlink(missing_ok=True)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(
+            f"{path}: cannot be written: {reason}; free some space or choose another folder"
+        ) from error

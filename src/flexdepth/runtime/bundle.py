@@ -1,0 +1,110 @@
+"""What a model bundle says of itself: the JSON in the metadata of its ONNX file."""
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from types import MappingProxyType
+
+from flexdepth.runtime.depthmap import Space
+from flexdepth.runtime.errors import InputError
+
+METADATA_KEY = "flexdepth"
+"""The name of the metadata that holds the JSON."""
+
+FORMAT = 1
+"""The one format of the JSON that this version reads."""
+
+_LARGEST_SIDE = 8192
+
+
+@dataclass(frozen=True)
+class Description:
+    """What a bundle says of itself.
+
+    Attributes:
+        name: Such as "compact".
+        version: Of the weights.
+        licence: Of the weights, as an SPDX identifier.
+        space: `metric` if the numbers become metres once the focal length is known, else
+            `scale`.
+        area: Width and height whose product is the number of pixels that the network runs at.
+        multiple: Width and height of what the network is given are multiples of this.
+        canonical_focal: The focal length, in diagonals of the image, for which `depth` is
+            metres.
+        source: How the weights were made.
+    """
+
+    name: str
+    version: str
+    licence: str
+    space: Space
+    area: tuple[int, int]
+    multiple: int
+    canonical_focal: float
+    source: str
+
+
+def read_description(text: str, file: Path) -> Description:
+    """Return the description in the JSON of a bundle's metadata.
+
+    Args:
+        text: The JSON.
+        file: Named in errors.
+
+    Raises:
+        InputError: The text is no JSON object, of another format, or a field is absent or wrong.
+    """
+    try:
+        fields = json.loads(text)
+    except ValueError as error:
+        raise InputError(f"{file}: metadata `{METADATA_KEY}`: no JSON: {error}") from error
+    if not isinstance(fields, dict):
+        raise InputError(f"{file}: metadata `{METADATA_KEY}`: wanted an object, got {text[:40]!r}")
+    if fields.get("format") != FORMAT:
+        raise InputError(
+            f"{file}: metadata `format`: wanted {FORMAT}, got {fields.get('format')!r}; "
+            f"another version of flexdepth reads it"
+        )
+    for name, (fits, wanted) in _FIELDS.items():
+        if name not in fields or not fits(fields[name]):
+            got = repr(fields[name]) if name in fields else "nothing"
+            raise InputError(f"{file}: metadata `{name}`: wanted {wanted}, got {got}")
+    return Description(
+        **{name: fields[name] for name in ("name", "version", "licence", "source", "multiple")},
+        space=Space(fields["space"]),
+        area=(fields["area"][0], fields["area"][1]),
+        canonical_focal=float(fields["canonical_focal"]),
+    )
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, str) and bool(value) and value.isprintable()
+
+
+def _is_side(value: object) -> bool:
+    return type(value) is int and 1 <= value <= _LARGEST_SIDE
+
+
+def _is_area(value: object) -> bool:
+    return isinstance(value, list) and len(value) == 2 and all(map(_is_side, value))
+
+
+def _is_focal(value: object) -> bool:
+    return type(value) in (int, float) and isfinite(value) and value > 0  # type: ignore[arg-type, operator]
+
+
+_TEXT = (_is_text, "a line of text")
+_FIELDS: Mapping[str, tuple[Callable[[object], bool], str]] = MappingProxyType(
+    {
+        "name": _TEXT,
+        "version": _TEXT,
+        "licence": _TEXT,
+        "source": _TEXT,
+        "space": (lambda value: value in (Space.METRIC, Space.SCALE), "'metric' or 'scale'"),
+        "area": (_is_area, f"[width, height], each 1 to {_LARGEST_SIDE}"),
+        "multiple": (_is_side, f"a whole number, 1 to {_LARGEST_SIDE}"),
+        "canonical_focal": (_is_focal, "a number > 0"),
+    }
+)

@@ -1,0 +1,77 @@
+"""OpenEXR: one float32 channel, the meaning in the header's string attribute `flexdepth`.
+
+Depth is the channel `Z`, the name that the format reserves for it: Blender, Fusion and Natron
+take it as depth, Nuke shows it as `depth.Z`. Affine disparity is the channel `disparity`, so that
+no tool mistakes it for a distance. Compression is ZIP, which is lossless.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+from numpy.typing import NDArray
+
+from flexdepth.runtime.atomic import replacing
+from flexdepth.runtime.depthmap import DepthMap, Space
+from flexdepth.runtime.formats.meaning import Meaning, parsed, plain
+from flexdepth.runtime.formats.reading import check_size, reading
+
+_KEY = "flexdepth"
+_CHANNELS = ("Z", "disparity", "depth.Z", "depth")
+_ERRORS = (RuntimeError, ValueError, TypeError, KeyError, IndexError, OverflowError)
+
+
+def write(path: Path, depth_map: DepthMap, origin: Mapping[str, str] | None) -> None:
+    """Write `depth_map` and its meaning to `path`."""
+    header = {
+        "compression": OpenEXR.ZIP_COMPRESSION,
+        "type": OpenEXR.scanlineimage,
+        _KEY: Meaning.of(depth_map, plain(depth_map.space), origin).text(),
+    }
+    channel = "disparity" if depth_map.space is Space.AFFINE_DISPARITY else "Z"
+    values = np.ascontiguousarray(depth_map.values)
+    with replacing(path) as temporary, OpenEXR.File(header, {channel: values}) as file:
+        try:
+            file.write(str(temporary))
+        except RuntimeError as error:
+            raise OSError(str(error).rpartition('". ')[2].rstrip(".")) from error
+
+
+def numbers(path: Path) -> NDArray[np.float32]:
+    """Return the depth or disparity channel of `path`, or its only channel, as float32.
+
+    Of a broken file OpenEXR says a line of its own on the standard output; its older interface
+    does not, but can be brought down by one wrong byte.
+    """
+    with reading(path, "an OpenEXR file", _ERRORS):
+        width, height = _size(path)
+        with OpenEXR.File(str(path), separate_channels=True) as file:
+            if not file.parts:
+                raise ValueError("its pixels are cut off or broken")
+            channels = file.channels()
+            named = [name for name in _CHANNELS if name in channels][:1] or list(channels)
+            if len(named) != 1:
+                raise ValueError(f"a channel `Z` is wanted, it has {sorted(channels)}")
+            values = channels[named[0]].pixels
+        if values.shape != (height, width) or values.dtype.kind not in "fu":
+            raise ValueError(f"channel {named[0]} is {values.dtype} of shape {values.shape}")
+        return np.array(values, np.float32)
+
+
+def meaning(path: Path) -> Meaning | None:
+    """Return what the header of `path` says."""
+    with (
+        reading(path, "an OpenEXR file", _ERRORS),
+        OpenEXR.File(str(path), header_only=True) as file,
+    ):
+        text = file.header().get(_KEY)
+        return None if text is None else parsed(str(text), path)
+
+
+def _size(path: Path) -> tuple[int, int]:
+    """Return width and height as the header declares them, checked."""
+    with OpenEXR.File(str(path), header_only=True) as file:
+        (left, top), (right, bottom) = (map(int, end) for end in file.header()["dataWindow"])
+    check_size(right - left + 1, bottom - top + 1)
+    return right - left + 1, bottom - top + 1

@@ -1,0 +1,152 @@
+"""From a picture to its depth map, at the picture's own size."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import TypeVar
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexdepth.runtime.depthmap import DepthMap, FocalSource, Space
+from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.images import Photo, read_photo
+from flexdepth.runtime.lens import Lens, intrinsics
+from flexdepth.runtime.model import Model
+from flexdepth.runtime.sizes import network_size
+
+Number = TypeVar("Number", np.uint8, np.float32)
+
+_SKY = 0.5
+"""The probability above which a pixel is sky."""
+
+
+def once(
+    model: Model, images: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return canonical depth and the probability of sky of each image."""
+    return model.run(images)
+
+
+def mirrored_too(
+    model: Model, images: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return the same from two looks, one in a mirror; twice as slow, and steadier.
+
+    Depths are joined by their geometric mean, probabilities by their mean.
+    """
+    depth, sky = model.run(images)
+    depth_too, sky_too = model.run(np.ascontiguousarray(images[..., ::-1]))
+    return np.sqrt(depth * depth_too[..., ::-1]), (sky + sky_too[..., ::-1]) / np.float32(2)
+
+
+Look = Callable[[Model, NDArray[np.float32]], tuple[NDArray[np.float32], NDArray[np.float32]]]
+"""How a network looks at pictures: `once` or `mirrored_too`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Predictor:
+    """A model, and how pictures are shown to it. Threads may share it.
+
+    Attributes:
+        model: The network.
+        lens: What the user says of the camera; None takes each photo's own word, or else assumes
+            a lens.
+        long_side: The longer side of what the network sees, in pixels; None keeps the bundle's
+            area.
+        look: How the network looks at a picture.
+    """
+
+    model: Model
+    lens: Lens | None = None
+    long_side: int | None = None
+    look: Look = once
+
+    def predict(self, picture: Photo | str | Path | ArrayLike) -> DepthMap:
+        """Return the depth of one picture, at its own size, +inf in the sky.
+
+        The space is `metric` where the focal length is given or written in the photo, else
+        `scale`; the intrinsics say which.
+
+        Args:
+            picture: A photo, a file, or an array of uint8: height x width x 3 in RGB, or height x
+                width in gray.
+
+        Raises:
+            InputError: The file or the array is no picture; the model fails.
+        """
+        (depth_map,) = self.predict_all([photo_of(picture)])
+        return depth_map
+
+    def predict_all(self, photos: Sequence[Photo]) -> list[DepthMap]:
+        """Return the depth of each photo, in their order.
+
+        Photos that follow one another and look alike to the network, as the frames of a video
+        do, share a run; the maps are those of `predict` up to rounding.
+        """
+        found = []
+        for size, alike in groupby(photos, self._network_size):
+            run = list(alike)
+            images = np.stack([_shown(photo.pixels, size) for photo in run])
+            depth, sky = self.look(self.model, images)
+            found += [self._at_own_size(*each) for each in zip(run, depth, sky, strict=True)]
+        return found
+
+    def _network_size(self, photo: Photo) -> tuple[int, int]:
+        height, width = photo.pixels.shape[:2]
+        return network_size(width, height, self.model.description, self.long_side)
+
+    def _at_own_size(
+        self, photo: Photo, canonical: NDArray[np.float32], sky: NDArray[np.float32]
+    ) -> DepthMap:
+        height, width = photo.pixels.shape[:2]
+        camera = intrinsics(width, height, self.lens, photo.focal_in_diagonals)
+        about = self.model.description
+        unit = camera.focal_in_diagonals(width, height) / about.canonical_focal
+        values = _resized(np.log(canonical * np.float32(unit)), (width, height))
+        np.exp(values, out=values)
+        values[_resized(sky, (width, height)) > _SKY] = np.inf
+        known = about.space is Space.METRIC and camera.source is not FocalSource.ASSUMED
+        space = Space.METRIC if known else Space.SCALE
+        return DepthMap(values, space, camera, self.model.title)
+
+
+def photo_of(picture: Photo | str | Path | ArrayLike) -> Photo:
+    """Return the photo that a caller means by a file or an array.
+
+    Raises:
+        InputError: The file cannot be read as a picture; the array is not of uint8, or neither
+            gray nor RGB, or empty.
+    """
+    if isinstance(picture, Photo):
+        return picture
+    if isinstance(picture, str | Path):
+        return read_photo(Path(picture))
+    pixels = np.asarray(picture)
+    if pixels.ndim == 2:
+        pixels = np.repeat(pixels[..., None], 3, axis=2)
+    if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3 or not pixels.size:
+        raise InputError(
+            f"a picture is a non-empty array of uint8, height x width x 3 in RGB or height x width "
+            f"in gray, got shape {pixels.shape} of {pixels.dtype}"
+        )
+    return Photo(pixels, None, ())
+
+
+def _shown(pixels: NDArray[np.uint8], size: tuple[int, int]) -> NDArray[np.float32]:
+    """Return the picture as the network takes it: (3, height, width), RGB in [0, 1]."""
+    seen = _resized(np.ascontiguousarray(pixels), size)
+    return np.moveaxis(seen, 2, 0).astype(np.float32) / np.float32(255)
+
+
+def _resized(values: NDArray[Number], size: tuple[int, int]) -> NDArray[Number]:
+    """Return `values` at `size` (width, height): means where it shrinks, else interpolated.
+
+    Pixel centres lie at half integers in both.
+    """
+    height, width = values.shape[:2]
+    shrinks = size[0] <= width and size[1] <= height
+    how = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
+    return np.asarray(cv2.resize(values, size, interpolation=how), values.dtype)

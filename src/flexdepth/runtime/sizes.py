@@ -1,0 +1,59 @@
+"""The size at which the network looks at a picture."""
+
+from itertools import product
+from math import log, sqrt
+
+from flexdepth.runtime.bundle import Description
+from flexdepth.runtime.errors import InputError
+
+_AREA_AGAINST_ASPECT = 0.5
+"""How much an area off by a factor counts against an aspect off by the same factor."""
+
+
+def network_size(
+    width: int, height: int, description: Description, long_side: int | None = None
+) -> tuple[int, int]:
+    """Return width and height of what the network is given for a picture.
+
+    Both are multiples of the bundle's. Without `long_side` their product is near the bundle's
+    area and, of the roundings, the one that least changes the picture's aspect is taken: 640 x
+    480 becomes 384 x 288, KITTI's 1242 x 375 becomes 608 x 192. A picture so long that it would
+    be thinner than one multiple is squeezed along its length, so that the area stays.
+
+    Args:
+        width: Of the picture, in pixels.
+        height: In pixels.
+        description: The bundle's area and multiple.
+        long_side: Take this as the longer side instead, rounded to the nearest multiple.
+
+    Raises:
+        InputError: `long_side` is less than one multiple.
+    """
+    multiple = description.multiple
+    if long_side is not None:
+        if long_side < multiple:
+            raise InputError(
+                f"--long-side: wanted a number of pixels >= {multiple}, got {long_side}"
+            )
+        scale = round(long_side / multiple) * multiple / max(width, height)
+        return _nearest(width * scale, multiple), _nearest(height * scale, multiple)
+    area = description.area[0] * description.area[1]
+    scale = sqrt(area / (width * height))
+    longest = max(area // multiple // multiple, 1) * multiple
+
+    def stretch(size: tuple[int, int]) -> float:
+        aspect = log(size[0] / size[1] * height / width)
+        return abs(aspect) + _AREA_AGAINST_ASPECT * abs(log(size[0] * size[1] / area))
+
+    sides = (_around(width * scale, multiple, longest), _around(height * scale, multiple, longest))
+    return min(product(*sides), key=stretch)
+
+
+def _nearest(length: float, multiple: int) -> int:
+    return max(round(length / multiple), 1) * multiple
+
+
+def _around(length: float, multiple: int, longest: int) -> tuple[int, int]:
+    """Return the multiples below and above `length`, within one multiple and `longest`."""
+    below = min(max(int(length) // multiple * multiple, multiple), longest)
+    return below, min(below + multiple, longest)

@@ -1,0 +1,130 @@
+"""Rendered images by number: the same (seed, index) is the same image, on every run."""
+
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdepth.runtime.atomic import replacing
+from flexdepth.runtime.depthmap import DepthMap, FocalSource, Intrinsics, Space
+from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.files import write_depth
+from flexdepth.synth.lens import photograph
+from flexdepth.synth.patterns import Library
+from flexdepth.synth.render import Rendering, Stage, render, worth_taking
+from flexdepth.synth.rooms import room
+from flexdepth.synth.streets import street
+from flexdepth.synth.viewpoints import viewpoint
+
+VERSION = 1
+"""Raised when the same (seed, index) no longer gives the same image."""
+
+VIEWS = 4
+"""Images of one scene, in a row."""
+
+_VARIANTS = 16
+_ATTEMPTS = 40
+
+
+@dataclass(frozen=True)
+class SynthSettings:
+    """What to render.
+
+    Attributes:
+        seed: The world; images of different seeds share nothing.
+        width: Pixels.
+        height: Pixels.
+        street_share: Share of scenes that are streets; the others are rooms.
+    """
+
+    seed: int = 0
+    width: int = 384
+    height: int = 288
+    street_share: float = 0.4
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be rendered."""
+        if min(self.width, self.height) < 32 or not 0 <= self.street_share <= 1 or self.seed < 0:
+            raise InputError(
+                f"a world needs width and height >= 32, a street share from 0 to 1 and a seed "
+                f">= 0, got {self}"
+            )
+
+
+@lru_cache(maxsize=1)
+def _library(seed: int) -> Library:
+    return Library.made(np.random.default_rng([seed, 0]), _VARIANTS)
+
+
+@lru_cache(maxsize=1)
+def _stage(settings: SynthSettings, scene: int, retry: int) -> Stage:
+    """Return a scene ready for rays."""
+    rng = np.random.default_rng([settings.seed, 1, scene, retry])
+    make = street if rng.random() < settings.street_share else room
+    return Stage.built(rng, make(rng), _library(settings.seed))
+
+
+def rendered(settings: SynthSettings, index: int) -> tuple[Rendering, NDArray[np.uint8]]:
+    """Return image `index` of the world: linear light with depth, and the photograph of it.
+
+    Viewpoints that show nothing are drawn again; a scene that offers none is built again.
+    """
+    aspect = settings.width / settings.height
+    scene = index // VIEWS
+    for retry in range(_ATTEMPTS):
+        stage = _stage(settings, scene, retry)
+        rng = np.random.default_rng([settings.seed, 2, index, retry])
+        for _ in range(_ATTEMPTS):
+            view = viewpoint(rng, stage.scene, aspect)
+            if worth_taking(stage, view, aspect):
+                seen = render(rng, stage, view, settings.width, settings.height)
+                return seen, photograph(rng, seen.light)
+    raise RuntimeError(f"no viewpoint of scene {scene} of seed {settings.seed} shows anything")
+
+
+def write_image(settings: SynthSettings, index: int, folder: Path) -> None:
+    """Write `image/INDEX.jpg` and `depth/INDEX.npz`; does nothing where both exist."""
+    picture_path = folder / "image" / f"{index:06d}.jpg"
+    depth_path = folder / "depth" / f"{index:06d}.npz"
+    if picture_path.exists() and depth_path.exists():
+        return
+    seen, picture = rendered(settings, index)
+    quality = int(np.random.default_rng([settings.seed, 3, index]).integers(75, 97))
+    camera = Intrinsics.centred(settings.width, settings.height, seen.focal, FocalSource.GIVEN)
+    truth = DepthMap(seen.depth, Space.METRIC, camera, f"synth {VERSION}")
+    write_depth(depth_path, truth, None)
+    encoded = cv2.imencode(".jpg", picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])[1]
+    with replacing(picture_path) as path:
+        path.write_bytes(encoded.tobytes())
+
+
+def _write_scene(settings: SynthSettings, indices: range, folder: Path) -> int:
+    for index in indices:
+        write_image(settings, index, folder)
+    return len(indices)
+
+
+def write_images(
+    settings: SynthSettings, count: int, folder: Path, processes: int
+) -> Iterator[int]:
+    """Write images 0 to `count` - 1, and yield how many are done after each scene.
+
+    Interrupted runs go on where they stopped. The bytes do not depend on `processes`.
+    """
+    for name in ("image", "depth"):
+        (folder / name).mkdir(parents=True, exist_ok=True)
+    scenes = [range(first, min(first + VIEWS, count)) for first in range(0, count, VIEWS)]
+    done = 0
+    pool = ProcessPoolExecutor(processes)
+    try:
+        jobs = [pool.submit(_write_scene, settings, scene, folder) for scene in scenes]
+        for job in jobs:
+            done += job.result()
+            yield done
+    finally:
+        pool.shutdown(cancel_futures=True)

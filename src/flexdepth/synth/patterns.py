@@ -1,0 +1,210 @@
+"""Tileable grey patterns; a material turns one into colour.
+
+A pattern is a square of two weights in [0, 1] per texel: how far the second and the third colour
+of the material replace the first.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import ArrayLike, NDArray
+
+SIZE = 256
+"""Texels along a side."""
+
+Array = NDArray[np.float64]
+_ROW, _COLUMN = np.mgrid[:SIZE, :SIZE] / SIZE
+
+
+def fractal(rng: Generator, exponent: float) -> Array:
+    """Return periodic noise in [0, 1] whose amplitude falls with frequency to the `exponent`."""
+    spectrum = np.fft.rfft2(rng.normal(size=(SIZE, SIZE)))
+    frequency = np.hypot(np.fft.fftfreq(SIZE)[:, None], np.fft.rfftfreq(SIZE)[None])
+    frequency[0, 0] = np.inf
+    noise = np.fft.irfft2(spectrum * frequency**-exponent, s=(SIZE, SIZE))
+    low, high = np.percentile(noise, (1, 99))
+    return np.asarray(np.clip((noise - low) / (high - low), 0, 1))
+
+
+def _pair(first: ArrayLike, second: ArrayLike = 0.0) -> Array:
+    return np.stack(np.broadcast_arrays(np.asarray(first, float), np.asarray(second, float)), -1)
+
+
+def plain(rng: Generator) -> Array:
+    """One colour with the faint unevenness of paint."""
+    return _pair(fractal(rng, 1.3) * rng.uniform(0, 0.25))
+
+
+def mottled(rng: Generator) -> Array:
+    """Clouds of colour: plaster, concrete, carpet, stone."""
+    return _pair(fractal(rng, rng.uniform(0.5, 1.6)), 0.5 * fractal(rng, 0.4))
+
+
+def speckled(rng: Generator) -> Array:
+    """Grains: asphalt, gravel, terrazzo, lawn."""
+    grain = fractal(rng, rng.uniform(0.0, 0.6))
+    return _pair(grain, fractal(rng, 1.5) * rng.uniform(0.2, 0.8))
+
+
+def spots(rng: Generator) -> Array:
+    """Irregular islands of the second colour."""
+    noise = fractal(rng, rng.uniform(1.2, 2.2))
+    return _pair(noise > rng.uniform(0.35, 0.65), 0.5 * fractal(rng, 0.6))
+
+
+def checks(rng: Generator) -> Array:
+    """A chequerboard or a tartan."""
+    count = 2 * rng.integers(1, 7)
+    across, down = (np.floor(count * axis) % 2 for axis in (_COLUMN, _ROW))
+    if rng.random() < 0.5:
+        return _pair((across + down) % 2, 0.2 * fractal(rng, 0.8))
+    return _pair((across + down) / 2, 0.2 * fractal(rng, 0.8))
+
+
+def stripes(rng: Generator) -> Array:
+    """Bands of uneven width in one direction."""
+    axis = _COLUMN if rng.random() < 0.6 else _ROW
+    edges = np.sort(rng.random(2 * rng.integers(1, 12)))
+    band = np.searchsorted(edges, axis) % 2
+    return _pair(band, 0.3 * fractal(rng, 0.7))
+
+
+def bricks(rng: Generator) -> Array:
+    """Courses of bricks or planks; the third colour is the joint."""
+    rows = 2 * rng.integers(2, 8)
+    columns = rng.integers(1, 5)
+    row = np.floor(rows * _ROW)
+    x = (columns * _COLUMN + 0.5 * (row % 2)) % columns
+    shade = rng.random((rows, columns))[row.astype(int), np.floor(x).astype(int)]
+    joint = (x % 1 < 0.04 * columns / 2) | ((rows * _ROW) % 1 < 0.1)
+    return _pair(0.7 * shade + 0.3 * fractal(rng, 0.8), joint)
+
+
+def tiles(rng: Generator) -> Array:
+    """Square tiles with joints."""
+    count = rng.integers(2, 9)
+    x, y = count * _COLUMN, count * _ROW
+    shade = rng.random((count, count))[np.floor(y).astype(int), np.floor(x).astype(int)]
+    joint = (x % 1 < 0.05) | (y % 1 < 0.05)
+    return _pair(rng.uniform(0, 0.8) * shade + 0.2 * fractal(rng, 1.0), joint)
+
+
+def wood(rng: Generator) -> Array:
+    """Grain along the rows, sometimes in boards."""
+    wave = fractal(rng, 1.8) * rng.uniform(0.1, 0.5) + _ROW * rng.integers(1, 4)
+    grain = 0.5 + 0.5 * np.sin(2 * np.pi * rng.integers(3, 10) * wave)
+    fine = cv2.blur(fractal(rng, 0.2), (31, 1))
+    boards = rng.integers(0, 7)
+    joint = (boards * _ROW) % 1 < 0.03 if boards else np.zeros_like(_ROW)
+    return _pair(0.6 * grain + 0.4 * fine, joint)
+
+
+def collage(rng: Generator) -> Array:
+    """Rectangles and discs: posters, book covers, screens, shop fronts."""
+    canvas = np.zeros((SIZE, SIZE, 2))
+    for _ in range(rng.integers(4, 30)):
+        x, y = rng.integers(0, SIZE, 2)
+        w, h = rng.integers(6, SIZE // 2, 2)
+        weights = rng.dirichlet((0.5, 0.5, 0.5))[:2].tolist()
+        if rng.random() < 0.7:
+            cv2.rectangle(canvas, (int(x), int(y)), (int(x + w), int(y + h)), weights, -1)
+        else:
+            cv2.circle(canvas, (int(x), int(y)), int(w // 2), weights, -1)
+    return np.asarray(cv2.GaussianBlur(canvas, (0, 0), rng.uniform(0.3, 2)), float)
+
+
+def print_lines(rng: Generator) -> Array:
+    """Lines of a text too small to read."""
+    canvas = np.zeros((SIZE, SIZE))
+    step = int(rng.integers(6, 18))
+    for y in range(step, SIZE - step, step):
+        x = int(rng.integers(8, 24))
+        while x < SIZE - 24:
+            word = int(rng.integers(4, 26))
+            cv2.rectangle(canvas, (x, y), (x + word, y + step // 2), 1.0, -1)
+            x += word + int(rng.integers(3, 8))
+    return _pair(cv2.GaussianBlur(canvas, (0, 0), 0.8), 0.1)
+
+
+def windows(rng: Generator) -> Array:
+    """A facade's panes in frames: the second colour is glass, the third the frame."""
+    columns, rows = rng.integers(1, 5, 2)
+    x, y = (columns * _COLUMN) % 1, (rows * _ROW) % 1
+    left, top = rng.uniform(0.12, 0.32, 2)
+    inside = (x > left) & (x < 1 - left) & (y > top) & (y < 1 - 0.7 * top)
+    inner = (x > left + 0.04) & (x < 0.96 - left) & (y > top + 0.04) & (y < 0.96 - 0.7 * top)
+    bar = (np.abs(x - 0.5) < 0.02) | (np.abs(y - 0.5) < 0.02)
+    glass = inner & ~bar
+    return _pair(
+        np.where(glass, 0.6 + 0.4 * fractal(rng, 1.8), 0.1 * fractal(rng, 1)), inside & ~glass
+    )
+
+
+def panels(rng: Generator) -> Array:
+    """Cabinet doors and drawers with grooves and knobs."""
+    columns, rows = rng.integers(1, 4, 2)
+    x, y = (columns * _COLUMN) % 1, (rows * _ROW) % 1
+    groove = (x < 0.03) | (y < 0.03)
+    knob = np.hypot(x - rng.choice([0.12, 0.5, 0.88]), (y - rng.choice([0.15, 0.5])) * 1.5) < 0.05
+    return _pair(np.where(groove, 1.0, 0.15 * fractal(rng, 1.2)), knob)
+
+
+PATTERNS: dict[str, Callable[[Generator], Array]] = {
+    maker.__name__: maker
+    for maker in (
+        plain, mottled, speckled, spots, checks, stripes, bricks,
+        tiles, wood, collage, print_lines, windows, panels,
+    )
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Library:
+    """Several variants of every pattern, each with its halvings for distant surfaces.
+
+    Attributes:
+        variants: How many of each pattern; variant v of pattern p is layer `p * variants + v`.
+        levels: Layers by rows by columns by 2, uint8; each level half the size of the one before.
+    """
+
+    variants: int
+    levels: tuple[NDArray[np.uint8], ...]
+
+    @classmethod
+    def made(cls, rng: Generator, variants: int) -> "Library":
+        """Return a library drawn from the generator."""
+        layers = [255 * make(rng) for make in PATTERNS.values() for _ in range(variants)]
+        levels = [np.asarray(layers).round().astype(np.uint8)]
+        while levels[-1].shape[1] > 1:
+            fine = levels[-1].astype(np.uint16)
+            halved = (
+                fine[:, ::2, ::2] + fine[:, 1::2, ::2] + fine[:, ::2, 1::2] + fine[:, 1::2, 1::2]
+            )
+            levels.append(((halved + 2) // 4).astype(np.uint8))
+        return cls(variants, tuple(levels))
+
+    def layer(self, rng: Generator, pattern: str) -> int:
+        """Return the layer of one variant of the pattern."""
+        return list(PATTERNS).index(pattern) * self.variants + int(rng.integers(self.variants))
+
+    def weights(
+        self, layer: NDArray[np.intp], uv: NDArray[np.floating], texels: NDArray[np.floating]
+    ) -> NDArray[np.float32]:
+        """Return the two weights at each texture coordinate.
+
+        Args:
+            layer: The layer of each point.
+            uv: Points by two coordinates; the pattern repeats with period 1.
+            texels: How many finest texels one pixel covers at each point; it selects the level.
+        """
+        level = np.clip(np.log2(np.maximum(texels, 1)).round(), 0, len(self.levels) - 1).astype(int)
+        out = np.empty((len(layer), 2), np.float32)
+        for k, stack in enumerate(self.levels):
+            here = np.flatnonzero(level == k)
+            side = stack.shape[1]
+            column, row = (np.floor(uv[here] * side).astype(int) % side).T
+            out[here] = stack[layer[here], row, column]
+        return out / np.float32(255)

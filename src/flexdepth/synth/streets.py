@@ -1,0 +1,176 @@
+"""Streets: a road along z between pavements, houses, gardens, trees and parked cars."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.random import Generator
+
+from flexdepth.synth.furniture import Parts, person, placed
+from flexdepth.synth.materials import Part, material
+from flexdepth.synth.outdoor_things import bicycle, bush, fence, house, pole, tree, vehicle
+from flexdepth.synth.scene import Scene, Sun
+from flexdepth.synth.shapes import Mesh, blob, box, joined, quad
+
+_REACH = 140.0
+"""Metres of street in front of and behind the middle."""
+
+
+def street(rng: Generator) -> Scene:
+    """Return a street, a country road or a yard, with the camera on the road or the pavement."""
+    half_road = rng.uniform(2.2, 8.0)
+    pavement = rng.uniform(0.0, 4.0) if rng.random() < 0.8 else 0.0
+    parts = _ground(rng, half_road, pavement)
+    for side in (-1, 1):
+        parts += _roadside(rng, side, half_road, pavement)
+    parts += _traffic(rng, half_road)
+    parts += _far(rng)
+    bright = rng.uniform(0.6, 1.4)
+    zenith = np.array([rng.uniform(0.25, 0.6), rng.uniform(0.4, 0.7), rng.uniform(0.75, 1.0)])
+    clouds = float(rng.choice([0.0, 1.0]) if rng.random() < 0.4 else rng.random())
+    zenith = zenith + (0.85 - zenith) * clouds
+    x = half_road + pavement * 0.7
+    return Scene(
+        parts=parts,
+        lamps=[],
+        sun=_sun(rng, clouds),
+        ambient=(0.3 + 0.7 * zenith) * bright * rng.uniform(0.35, 0.8),
+        occlusion_reach=float(rng.uniform(1.5, 5)),
+        horizon=(0.5 * zenith + 0.5) * bright,
+        zenith=zenith * bright,
+        clouds=clouds,
+        eyes=(
+            np.array([-x, rng.uniform(1.0, 1.5), -25.0]),
+            np.array([x, rng.uniform(1.6, 2.3), 25.0]),
+        ),
+        outdoors=True,
+    )
+
+
+def _sun(rng: Generator, clouds: float) -> Sun | None:
+    if rng.random() < 0.15 + 0.45 * clouds:
+        return None
+    azimuth, elevation = rng.uniform(0, 2 * np.pi), rng.uniform(0.25, 1.3)
+    towards = np.array(
+        [
+            np.cos(azimuth) * np.cos(elevation),
+            np.sin(elevation),
+            np.sin(azimuth) * np.cos(elevation),
+        ]
+    )
+    return Sun(
+        towards, np.array([1, rng.uniform(0.85, 1), rng.uniform(0.7, 0.95)]) * rng.uniform(0.8, 3.5)
+    )
+
+
+def _ground(rng: Generator, half_road: float, pavement: float) -> Parts:
+    """Return land to the horizon, road, lane marks, kerbs and pavements."""
+    far = 600.0
+    land = material(rng, str(rng.choice(["grass", "pavement", "asphalt"])))
+    parts = [Part(quad((-far, -0.03, -far), (2 * far, 0, 0), (0, 0, 2 * far)), land)]
+    road = quad((-half_road, 0, -far), (2 * half_road, 0, 0), (0, 0, 2 * far))
+    parts.append(Part(road, material(rng, "asphalt")))
+    if rng.random() < 0.7:
+        parts.append(Part(_marks(rng, half_road), material(rng, "paint")))
+    if pavement > 0.5:
+        stone = material(rng, "pavement")
+        kerb = rng.uniform(0.06, 0.16)
+        for side in (-1, 1):
+            middle = side * (half_road + pavement / 2)
+            slab = box((middle, kerb / 2, 0), (pavement, kerb, 2 * _REACH))
+            parts.append(Part(slab, stone))
+    return parts
+
+
+def _marks(rng: Generator, half_road: float) -> Mesh:
+    """Return dashes in the middle and lines at the edges of the road."""
+    dash, gap, wide = rng.uniform((1.5, 1.5, 0.08), (6, 8, 0.2))
+    lanes = [0.0] if half_road < 5 else [-half_road / 2, 0.0, half_road / 2]
+    starts = np.arange(-_REACH, _REACH, dash + gap)
+    marks = [
+        quad((x - wide / 2, 0.006, z), (wide, 0, 0), (0, 0, dash)) for x in lanes for z in starts
+    ]
+    if rng.random() < 0.5:
+        edge = half_road - 0.3
+        marks += [
+            quad((s * edge - wide / 2, 0.006, -_REACH), (wide, 0, 0), (0, 0, 2 * _REACH))
+            for s in (-1, 1)
+        ]
+    return joined(marks)
+
+
+def _roadside(rng: Generator, side: int, half_road: float, pavement: float) -> Parts:
+    """Return what lines one side of the road: houses, gardens, trees, poles, cars, people."""
+    kerb = half_road + pavement
+    setback = kerb + (rng.exponential(1.5) if rng.random() < 0.5 else rng.uniform(3, 15))
+    built = rng.choice([0.15, 0.6, 0.95])
+    yaw = side * np.pi / 2
+    parts: Parts = []
+    z = -_REACH
+    while z < _REACH:
+        width = rng.uniform(6, 22)
+        if rng.random() < built:
+            parts += placed(house(rng, width), (side * setback, 0, z + width / 2), yaw)
+        elif rng.random() < 0.5:
+            for _ in range(int(rng.integers(1, 4))):
+                spot = (side * (setback + rng.exponential(8)), 0, z + rng.uniform(0, width))
+                parts += placed((tree if rng.random() < 0.6 else bush)(rng), spot)
+        z += width + (0.05 if rng.random() < 0.5 else rng.exponential(6))
+    things: tuple[tuple[Callable[[Generator], Parts], float, float, float], ...] = (
+        (tree, kerb - 0.6 + 0.3 * (setback - kerb), rng.choice([0, 0.02, 0.08]), 0),
+        (pole, kerb - 0.3 * pavement, 0.04, yaw - np.pi / 2),
+        (bush, (kerb + setback) / 2, rng.choice([0, 0.06]), yaw),
+        (fence, setback - 0.4, rng.choice([0, 0.03]), yaw),
+        (person, kerb - 0.5 * pavement, rng.choice([0.01, 0.05]), 0),
+        (bicycle, kerb - 0.4 * pavement, 0.01, 0),
+    )
+    for make, x, density, heading in things:
+        for _ in range(int(rng.poisson(density * 2 * _REACH))):
+            spot = (side * (x + rng.normal(0, 0.4)), 0, rng.uniform(-_REACH, _REACH))
+            parts += placed(make(rng), spot, heading + rng.normal(0, 0.15))
+    return parts + _parked(rng, side, half_road)
+
+
+def _parked(rng: Generator, side: int, half_road: float) -> Parts:
+    density = rng.choice([0.0, 0.3, 0.8])
+    parts: Parts = []
+    z = -_REACH
+    while half_road > 2.8 and z < _REACH:
+        if rng.random() < density:
+            yaw = (0 if side > 0 else np.pi) + rng.normal(0, 0.04)
+            parts += placed(vehicle(rng), (side * (half_road - 1.0), 0, z), yaw)
+        z += rng.uniform(5, 8)
+    return parts
+
+
+def _traffic(rng: Generator, half_road: float) -> Parts:
+    """Return vehicles and people on the road."""
+    parts: Parts = []
+    for _ in range(int(rng.poisson(rng.choice([0, 3, 10])))):
+        side = int(rng.choice([-1, 1]))
+        x = side * half_road * rng.uniform(0.25, 0.55)
+        yaw = (0 if side > 0 else np.pi) + rng.normal(0, 0.08)
+        parts += placed(vehicle(rng), (x, 0, rng.uniform(-_REACH, _REACH)), yaw)
+    for _ in range(int(rng.poisson(0.8))):
+        spot = (rng.uniform(-half_road, half_road), 0, rng.uniform(-40, 40))
+        parts += placed((person if rng.random() < 0.7 else bicycle)(rng), spot, rng.uniform(0, 6.3))
+    return parts
+
+
+def _far(rng: Generator) -> Parts:
+    """Return what closes the view: hills, a wood, or a row of buildings."""
+    parts: Parts = []
+    for end in (-1, 1):
+        kind = rng.random()
+        if kind < 0.4:
+            for _ in range(int(rng.integers(2, 5))):
+                size = rng.uniform((100, 20, 60), (400, 90, 150))
+                spot = (rng.uniform(-200, 200), 0, end * rng.uniform(250, 450))
+                parts.append(Part(blob(rng, size, 0.05, 20).placed(spot), material(rng, "grass")))
+        elif kind < 0.7:
+            yaw = 0.0 if end > 0 else np.pi
+            for x in range(-60, 60, 16):
+                parts += placed(house(rng, 15), (x, 0, end * (_REACH + rng.uniform(2, 10))), yaw)
+        for _ in range(int(rng.integers(0, 12))):
+            spot = (rng.normal(0, 40), 0, end * (_REACH + rng.uniform(0, 60)))
+            parts += placed(tree(rng), spot)
+    return parts

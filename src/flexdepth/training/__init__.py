@@ -1,0 +1,1 @@
+"""Training: what is minimised, on which batches, by which steps."""

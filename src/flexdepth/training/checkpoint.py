@@ -1,0 +1,110 @@
+"""A run on disk: one safetensors file with weights, averages, the optimiser's state and settings.
+
+Nothing in it is executed when it is read, and it appears whole or not at all.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from safetensors import SafetensorError, safe_open
+from safetensors.torch import save_file
+from torch import Tensor, nn
+from torch.optim import Optimizer
+
+from flexdepth.runtime.atomic import replacing
+from flexdepth.runtime.errors import InputError
+
+FORMAT = "1"
+
+
+@dataclass(frozen=True, eq=False)
+class Checkpoint:
+    """What a run needs to go on.
+
+    Attributes:
+        iteration: How many are done.
+        settings: Of the experiment, as plain values.
+        tensors: By name: `network.*`, `average.*`, `optimiser.<number>.<name>`.
+    """
+
+    iteration: int
+    settings: Mapping[str, Any]
+    tensors: Mapping[str, Tensor]
+
+    def part(self, prefix: str) -> dict[str, Tensor]:
+        """Return the tensors under `prefix.`, without it."""
+        start = f"{prefix}."
+        return {k.removeprefix(start): v for k, v in self.tensors.items() if k.startswith(start)}
+
+
+def save(path: Path, checkpoint: Checkpoint) -> None:
+    """Write a checkpoint, replacing the one that was there."""
+    words = {
+        "format": FORMAT,
+        "iteration": str(checkpoint.iteration),
+        "settings": json.dumps(checkpoint.settings),
+    }
+    tensors = {name: tensor.contiguous() for name, tensor in checkpoint.tensors.items()}
+    with replacing(path) as temporary:
+        save_file(tensors, temporary, metadata=words)
+
+
+def load(path: Path) -> Checkpoint:
+    """Return the checkpoint in a file.
+
+    Raises:
+        InputError: The file is missing, is no checkpoint of flexdepth, or is of another format.
+    """
+    if not path.is_file():
+        raise InputError(f"{path}: no such checkpoint")
+    try:
+        with safe_open(path, framework="pt") as file:
+            words = file.metadata() or {}
+            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+    except (SafetensorError, OSError) as error:
+        raise InputError(f"{path}: not a readable safetensors file ({error})") from error
+    if words.get("format") != FORMAT or "settings" not in words:
+        raise InputError(
+            f"{path}: wanted a flexdepth checkpoint of format {FORMAT}, "
+            f"got format {words.get('format', 'of something else')}"
+        )
+    return Checkpoint(int(words["iteration"]), json.loads(words["settings"]), tensors)
+
+
+def restore(module: nn.Module, weights: Mapping[str, Tensor], where: str) -> None:
+    """Give a module exactly these weights.
+
+    Raises:
+        InputError: A weight is missing, left over or of another shape; the first ones are named.
+    """
+    own = module.state_dict()
+    missing, unknown = sorted(own.keys() - weights.keys()), sorted(weights.keys() - own.keys())
+    common = own.keys() & weights.keys()
+    odd = sorted(name for name in common if own[name].shape != weights[name].shape)
+    if missing or unknown or odd:
+        raise InputError(
+            f"{where}: holds the weights of another network; missing {missing[:3]}, "
+            f"unknown {unknown[:3]}, of another shape {odd[:3]}"
+        )
+    module.load_state_dict(dict(weights))
+
+
+def optimiser_tensors(optimiser: Optimizer) -> dict[str, Tensor]:
+    """Return the optimiser's state as tensors by name."""
+    return {
+        f"{number}.{name}": value
+        for number, state in optimiser.state_dict()["state"].items()
+        for name, value in state.items()
+    }
+
+
+def restore_optimiser(optimiser: Optimizer, tensors: Mapping[str, Tensor]) -> None:
+    """Give the optimiser the state that `optimiser_tensors` returned."""
+    state: dict[int, dict[str, Tensor]] = {}
+    for key, value in tensors.items():
+        number, name = key.split(".")
+        state.setdefault(int(number), {})[name] = value
+    optimiser.load_state_dict({**optimiser.state_dict(), "state": state})
