@@ -2,6 +2,7 @@
 
 PYTHON ?= python3
 PHOTO ?= examples/coffee.png
+TRAINING_IMAGES ?= 4624
 SAMPLES ?= $(or $(FLEXDEPTH_SAMPLES),../shared/data)
 
 BIN := .venv/bin
@@ -9,7 +10,7 @@ ALONE := $(BIN)/python -m pip --python .wheel-venv/bin/python
 DEMO := predict $(PHOTO) --preview --points glb --overwrite
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test wheel-test lint unit bench-quality bench-speed clean
+.PHONY: help demo test wheel-test lint unit model bench-quality bench-speed clean
 
 help:  ## list the targets
 	@awk -F ':.*  ## ' '/^[a-z-]+:.*  ## / {printf "%-14s %s\n", $$1, $$2}' Makefile
@@ -36,6 +37,15 @@ lint: .venv/full.stamp  ## ruff (format and rules), mypy --strict, the layers
 
 unit: .venv/full.stamp  ## the tests
 	$(BIN)/python -m pytest
+
+model: .venv/full.stamp  ## re-make the bundled weights from nothing (hours; an interrupted run goes on)
+	$(BIN)/flexdepth synth --seed 0 --count $(TRAINING_IMAGES) -o renders/train
+	$(BIN)/flexdepth synth --seed 1 --count 160 -o renders/heldout
+	$(BIN)/flexdepth train compact -o runs/compact
+	$(BIN)/flexdepth train compact-large -o runs/compact-large
+	$(BIN)/flexdepth export runs/compact-large/best.safetensors \
+		-o src/flexdepth/runtime/assets/compact.onnx \
+		--source "flexdepth train compact, compact-large; $(TRAINING_IMAGES) images of seed 0"
 
 bench-quality: .venv/full.stamp  ## error on real pictures with measured depth (SAMPLES=DIR)
 	$(BIN)/python benchmarks/quality.py --samples $(SAMPLES)

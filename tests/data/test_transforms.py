@@ -64,13 +64,13 @@ def test_mirroring_mirrors_the_camera():
     assert once.truth.values[:, ::-1] == pytest.approx(plane(straight, COLUMNS, ROWS))
 
 
-@given(st.integers(0, 1000))
-def test_a_random_crop_has_the_wanted_size_and_keeps_metres(seed):
+@given(st.integers(0, 1000), st.sampled_from([(16, 12), (16, 16), (40, 12), (12, 40)]))
+def test_a_random_crop_has_the_wanted_size_and_keeps_metres(seed, size):
     pair = tilted_plane()
-    out = Crop()(np.random.default_rng(seed), pair, 16, 12)
-    assert out.image.shape == (12, 16, 3)
+    out = Crop()(np.random.default_rng(seed), pair, *size)
+    assert out.image.shape == (*size[::-1], 3)
     assert np.isin(out.truth.values, pair.truth.values).all()
-    focal = out.truth.intrinsics.focal_in_diagonals(16, 12)
+    focal = out.truth.intrinsics.focal_in_diagonals(*size)
     assert focal >= pair.truth.intrinsics.focal_in_diagonals(COLUMNS, ROWS) * 0.93
 
 

@@ -201,13 +201,25 @@ def test_the_thinnest_pictures_are_read(tmp_path, size):
     assert (photo.pixels == GREEN).all()
 
 
-def test_an_embedded_profile_is_followed(tmp_path):
+def swapped_profile():
+    """Return an sRGB profile with red and green swapped, under a name of its own."""
     swapped = bytearray(ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes())
     swapped = swapped.replace(b"rXYZ", b"tXYZ").replace(b"gXYZ", b"rXYZ").replace(b"tXYZ", b"gXYZ")
     swapped = swapped.replace("sRGB".encode("utf-16-be"), "swap".encode("utf-16-be"))
-    content = encoded(Image.new("RGB", (2, 2), RED), "PNG", icc_profile=bytes(swapped))
+    return bytes(swapped)
+
+
+def test_an_embedded_profile_is_followed(tmp_path):
+    content = encoded(Image.new("RGB", (2, 2), RED), "PNG", icc_profile=swapped_profile())
     photo = read(tmp_path, content)
     assert np.abs(photo.pixels.astype(int) - GREEN).max() <= 2
+    assert not photo.warnings
+
+
+def test_a_profile_of_another_kind_of_picture_is_passed_over(tmp_path):
+    content = encoded(Image.new("L", (2, 2), 77), "PNG", icc_profile=swapped_profile())
+    photo = read(tmp_path, content)
+    assert (photo.pixels == 77).all()
     assert not photo.warnings
 
 

@@ -1,9 +1,32 @@
 """The experiments by name."""
 
 from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
 from types import MappingProxyType
 
-from flexdepth.experiments.experiment import Experiment
+from flexdepth.experiments.experiment import Experiment, Trained
+from flexdepth.experiments.run import BEST
+from flexdepth.training.batches import BatchSettings
+from flexdepth.training.loop import LoopSettings
+from flexdepth.training.optimiser import OptimiserSettings
 
-CATALOGUE: Mapping[str, Experiment] = MappingProxyType({"compact": Experiment()})
-"""`compact` makes the bundled model."""
+_COMPACT = Experiment()
+
+_COMPACT_LARGE = replace(
+    _COMPACT,
+    start=Trained(Path("runs/compact") / BEST),
+    loop=LoopSettings(
+        iterations=1000,
+        save_every=125,
+        batches=BatchSettings(
+            shapes=((384, 288), (384, 288), (320, 320), (448, 224), (576, 192)), seed=1
+        ),
+        optimiser=OptimiserSettings(rate=3e-4),
+    ),
+)
+
+CATALOGUE: Mapping[str, Experiment] = MappingProxyType(
+    {"compact": _COMPACT, "compact-large": _COMPACT_LARGE}
+)
+"""`compact` learns from small images; `compact-large` goes on at the size of the predictions."""

@@ -13,7 +13,27 @@ from flexdepth.networks.merge import Coefficient
 from flexdepth.training.loop import LoopSettings
 from flexdepth.training.objective import Term
 
-CODEC = Codec((Loss, Coefficient))
+
+@dataclass(frozen=True)
+class ImageNet:
+    """Start with an encoder trained on ImageNet and a random decoder."""
+
+
+@dataclass(frozen=True)
+class Trained:
+    """Start with the averaged weights of an earlier run of the same network.
+
+    Attributes:
+        checkpoint: A file that the run left.
+    """
+
+    checkpoint: Path
+
+
+Start = ImageNet | Trained
+"""Where the weights come from."""
+
+CODEC = Codec((Start, Loss, Coefficient))
 """Experiments as plain values, and back."""
 
 
@@ -35,6 +55,7 @@ class Experiment:
         held_out: Pairs to be judged on; its scenes are not among the training pairs.
         terms: What is minimised.
         loop: How long and how.
+        start: Where the weights come from.
         seed: Of the weights that do not come pretrained.
     """
 
@@ -43,4 +64,5 @@ class Experiment:
     held_out: Folder = field(default_factory=lambda: Folder(Path("renders/heldout")))
     terms: Mapping[str, Term] = field(default_factory=_terms)
     loop: LoopSettings = field(default_factory=LoopSettings)
+    start: Start = field(default_factory=ImageNet)
     seed: int = 0

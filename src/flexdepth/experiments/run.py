@@ -1,11 +1,12 @@
 """Running an experiment in a folder: start or resume, log, checkpoints."""
 
 from collections.abc import Callable
+from math import inf
 from pathlib import Path
 
 import torch
 
-from flexdepth.experiments.experiment import CODEC, Experiment
+from flexdepth.experiments.experiment import CODEC, Experiment, ImageNet, Trained
 from flexdepth.networks import Network
 from flexdepth.networks.compact import CompactNetwork
 from flexdepth.networks.encoders import load_imagenet
@@ -37,30 +38,42 @@ def run_experiment(
     """Train, or go on training, in a folder.
 
     Raises:
-        InputError: The data cannot be read, or the folder holds a run of other settings.
+        InputError: The data or the weights to start from cannot be read, or the folder holds a
+            run of other settings.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     sources = Sources(experiment.data.load(), experiment.held_out.load(), processes)
-    settings = CODEC.plain(experiment)
-    torch.manual_seed(experiment.seed)
-    network = experiment.network.build()
-    latest, best = folder / LATEST, folder / BEST
-    if latest.exists():
-        run = Run.started(network, experiment.loop)
-        if load(latest).settings != settings:
-            raise InputError(f"{latest}: belongs to a run of other settings; take another folder")
-        run.resume(latest)
+    run = _begun(experiment, folder / LATEST)
+    if run.iteration:
         show(f"resuming at iteration {run.iteration}")
-    else:
-        load_imagenet(network.encoder)
-        run = Run.started(network, experiment.loop)
-    scores = [float(load(best).settings["score"])] if best.exists() else []
+    folder.mkdir(parents=True, exist_ok=True)
+    record = Record(folder / "log.jsonl", experiment.loop.iterations, show)
+    settings = CODEC.plain(experiment)
+    lowest = min(record.scores(), default=inf)
 
     def keep(run: Run, score: float) -> None:
-        save(latest, run.checkpoint(settings))
-        if not scores or score < min(scores):
-            save(best, run.checkpoint({**settings, "score": score}))
-        scores.append(score)
+        nonlocal lowest
+        checkpoint = run.checkpoint(settings)
+        save(folder / LATEST, checkpoint)
+        if score <= lowest:
+            save(folder / BEST, checkpoint)
+            lowest = score
 
-    record = Record(folder / "log.jsonl", experiment.loop.iterations, show)
     train(run, experiment.loop, experiment.terms, sources, record, keep)
+
+
+def _begun(experiment: Experiment, latest: Path) -> Run:
+    """Return the run that the latest checkpoint holds, or a new one where there is none."""
+    torch.manual_seed(experiment.seed)
+    network = experiment.network.build().to(memory_format=torch.channels_last)
+    if latest.exists():
+        if CODEC.restored(Experiment, load(latest).settings, str(latest)) != experiment:
+            raise InputError(f"{latest}: belongs to a run of other settings; take another folder")
+        run = Run.started(network, experiment.loop)
+        run.resume(latest)
+        return run
+    match experiment.start:
+        case ImageNet():
+            load_imagenet(network.encoder)
+        case Trained(checkpoint):
+            restore(network, load(checkpoint).part("average"), str(checkpoint))
+    return Run.started(network, experiment.loop)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import torch
 from torch import nn
 from torch.optim import AdamW
 
@@ -110,7 +111,8 @@ def train(
     for batch in loader(batches, run.iteration, sources.processes):
         set_rate(run.optimiser, settings.optimiser.rate_at(run.iteration, settings.iterations))
         run.network.train()
-        total, parts = objective(terms, run.network(batch.key.image), batch)
+        image = batch.key.image.contiguous(memory_format=torch.channels_last)
+        total, parts = objective(terms, run.network(image), batch)
         run.optimiser.zero_grad(set_to_none=True)
         total.backward()  # type: ignore[no-untyped-call]
         nn.utils.clip_grad_norm_(run.network.parameters(), settings.optimiser.largest_gradient)

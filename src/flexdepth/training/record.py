@@ -47,6 +47,13 @@ class Record:
         self.show(f"{number}/{self.iterations}  held-out AbsRel {score:.4f}")
         self._since = monotonic()
 
+    def scores(self) -> list[float]:
+        """Return the scores of all validations so far, those of an interrupted run too."""
+        if not self.path.exists():
+            return []
+        entries = map(json.loads, self.path.read_text(encoding="utf-8").splitlines())
+        return [entry["held_out_abs_rel"] for entry in entries if "held_out_abs_rel" in entry]
+
     def _write(self, entry: Mapping[str, int | float]) -> None:
         with self.path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(entry) + "\n")
