@@ -7,8 +7,10 @@ from types import MappingProxyType
 
 from flexdepth.experiments.experiment import Experiment, Trained
 from flexdepth.experiments.run import BEST
+from flexdepth.losses import GradientMatching
 from flexdepth.training.batches import BatchSettings
 from flexdepth.training.loop import LoopSettings
+from flexdepth.training.objective import Term
 from flexdepth.training.optimiser import OptimiserSettings
 
 _COMPACT = Experiment()
@@ -16,6 +18,7 @@ _COMPACT = Experiment()
 _COMPACT_LARGE = replace(
     _COMPACT,
     start=Trained(Path("runs/compact") / BEST),
+    terms={**_COMPACT.terms, "gradient": Term(GradientMatching(), 1.0)},
     loop=LoopSettings(
         iterations=1000,
         save_every=125,
@@ -29,4 +32,5 @@ _COMPACT_LARGE = replace(
 CATALOGUE: Mapping[str, Experiment] = MappingProxyType(
     {"compact": _COMPACT, "compact-large": _COMPACT_LARGE}
 )
-"""`compact` learns from small images; `compact-large` goes on at the size of the predictions."""
+"""`compact` learns from small images; `compact-large` goes on at the size of predictions, with more
+weight on edges."""
