@@ -31,7 +31,7 @@ def test_values_and_meaning_survive_the_way_there_and_back(room, tmp_path, name,
     assert run([str(room), "--format", name, "-o", str(there)]) == 0
     made = there / f"room{SUFFIXES[name]}"
     assert capsys.readouterr().out == f"{made}\n"
-    assert run([str(made), "--format", "npz", "--output", str(back)]) == 0
+    assert run([str(made), "--format", "npz", "--output-dir", str(back)]) == 0
     found = read_depth(back / "room.npz")
     np.testing.assert_array_equal(found.values, VALUES)
     assert (found.space, found.intrinsics, found.model) == (Space.SCALE, CAMERA, "compact 0.1.0")

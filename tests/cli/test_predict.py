@@ -162,6 +162,7 @@ def test_a_photo_of_sky_alone_has_no_points_but_its_depth(predict, photo, files)
         (["a.png", "--focal", "-5"], "a focal length is a number"),
         (["a.png", "--fov", "190"], "between 0 and 180"),
         (["a.png", "--long-side", "8"], "--long-side: wanted"),
+        (["a.png", "--tiles", "0"], "--tiles: wanted a whole number >= 1, got 0"),
         (["a.png", "--batch", "0"], "--batch: wanted a whole number >= 1, got 0"),
         (["a.png", "--max-pixels", "0"], "--max-pixels: wanted"),
         (["a.png", "--max-pixels", "100"], "a.png"),

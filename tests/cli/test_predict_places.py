@@ -39,7 +39,15 @@ def test_what_is_there_already_is_skipped_and_what_is_missing_is_added(predict, 
 
 @pytest.mark.parametrize(
     "change",
-    [("--fov", "80"), ("--long-side", "64"), ("--focal", "40"), ("--flip",), "input", "model"],
+    [
+        ("--fov", "80"),
+        ("--long-side", "64"),
+        ("--focal", "40"),
+        ("--flip",),
+        ("--tiles", "2"),
+        "input",
+        "model",
+    ],
 )
 def test_a_file_made_from_something_else_is_in_the_way(predict, make_bundle, change, photo):
     photo("a.png")

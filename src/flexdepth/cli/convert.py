@@ -30,7 +30,7 @@ class Convert:
     """Depth files: npz, npy, 16-bit PNG, EXR, PFM."""
     format: Literal["npz", "npy", "png16", "exr", "pfm"]
     """What to make of them. png16 is exact to half a step, the others to the bit."""
-    output: Annotated[
+    output_dir: Annotated[
         Path | None, tyro.conf.arg(aliases=("-o",), metavar="DIR", help_behavior_hint="")
     ] = None
     """Folder to write to; without it, beside each file."""
@@ -70,7 +70,7 @@ def targets(settings: Convert) -> dict[Path, Path]:
         raise InputError("--scale is for files that do not say what they mean: give --space too")
     suffix = SUFFIXES[settings.format]
     places = {
-        source: (settings.output or source.parent) / f"{source.stem}{suffix}"
+        source: (settings.output_dir or source.parent) / f"{source.stem}{suffix}"
         for source in settings.files
     }
     place, count = Counter(places.values()).most_common(1)[0]

@@ -65,6 +65,10 @@ class Predict:
     """Field of view of all inputs, from the left edge to the right, instead of --focal."""
     long_side: Annotated[int | None, tyro.conf.arg(metavar="PIXELS", help_behavior_hint="")] = None
     """Longer side of what the network sees; larger is slower and sees more detail."""
+    tiles: Annotated[int, tyro.conf.arg(metavar="N")] = 1
+    """For the detail of large photos: look at N overlapping tiles along the longer side too, and
+    at as many along the other as make them nearly square. The large shape stays that of the whole.
+    4 means 13 looks at a photo instead of one. Small photos have fewer tiles, or none."""
     flip: _Flag = False
     """Look at each picture in a mirror too, and take the mean: twice as slow, and steadier."""
     model: Annotated[Path | None, tyro.conf.arg(metavar="BUNDLE", help_behavior_hint="")] = None
@@ -119,7 +123,9 @@ def job_of(settings: Predict) -> Job:
     lens = _lens(settings)
     model = load_model(settings.model, settings.provider, settings.threads)
     return Job(
-        Predictor(model, lens, settings.long_side, mirrored_too if settings.flip else once),
+        Predictor(
+            model, lens, settings.long_side, mirrored_too if settings.flip else once, settings.tiles
+        ),
         settings.output_dir,
         _outputs(settings),
         settings.overwrite,

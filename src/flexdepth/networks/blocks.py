@@ -1,9 +1,14 @@
 """Blocks that more than one network uses."""
 
 from dataclasses import dataclass
+from typing import Literal
 
+import torch
 from jaxtyping import Float
 from torch import Tensor, nn
+from torch.nn.functional import interpolate
+
+from flexdepth.runtime.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -34,10 +39,13 @@ class DilatedResidual:
     Attributes:
         dilation: Of both 3x3 convolutions; 2 in the published networks.
         norm: The normalisation between them.
+        padding: What the 3x3 convolutions see beyond the image: zeros as published, or its last
+            pixels again (`replicate`), which leaves no frame around the depth map.
     """
 
     dilation: int = 2
     norm: BatchNorm = BatchNorm(momentum=0.5)
+    padding: Literal["zeros", "replicate"] = "zeros"
 
     def build(self, inputs: int, width: int) -> "DilatedResidualBlock":
         """Return the block that takes `inputs` channels to `width` channels."""
@@ -49,13 +57,15 @@ class DilatedResidualBlock(nn.Module):
 
     def __init__(self, settings: DilatedResidual, inputs: int, width: int) -> None:
         super().__init__()
-        reach = settings.dilation
+        reach, beyond = settings.dilation, settings.padding
         self.project = nn.Conv2d(inputs, width, 1, bias=False)
         self.refine = nn.Sequential(
-            nn.Conv2d(width, width, 3, padding=reach, dilation=reach),
+            nn.Conv2d(width, width, 3, padding=reach, dilation=reach, padding_mode=beyond),
             settings.norm.build(width),
             nn.ReLU(),
-            nn.Conv2d(width, width, 3, padding=reach, dilation=reach, bias=False),
+            nn.Conv2d(
+                width, width, 3, padding=reach, dilation=reach, bias=False, padding_mode=beyond
+            ),
         )
 
     def forward(
@@ -65,6 +75,78 @@ class DilatedResidualBlock(nn.Module):
         residual = self.project(features)
         out: Tensor = (residual + self.refine(residual)).relu()
         return out
+
+
+@dataclass(frozen=True)
+class Pyramid:
+    """Atrous spatial pyramid pooling (ASPP): how the features look at several scales.
+
+    One 1x1 convolution, a dilated 3x3 convolution for each of `dilations`, and the mean of the
+    whole map through a 1x1 convolution; batch normalisation after each, no activation anywhere.
+
+    Attributes:
+        width: Channels of each branch.
+        dilations: Of the 3x3 convolutions.
+        norm: The normalisation of each branch.
+    """
+
+    width: int = 512
+    dilations: tuple[int, ...] = (2, 4, 6)
+    norm: BatchNorm = BatchNorm(momentum=0.5)
+
+    def build(self, inputs: int) -> "PyramidPooling":
+        """Return the block on features of `inputs` channels."""
+        return PyramidPooling(self, inputs)
+
+
+class PyramidPooling(nn.Module):
+    """The module of `Pyramid`.
+
+    Attributes:
+        width: Channels of its output: all branches together.
+    """
+
+    def __init__(self, settings: Pyramid, inputs: int) -> None:
+        super().__init__()
+        width = settings.width
+        self.width = width * (2 + len(settings.dilations))
+        self.point = projection(inputs, width, settings.norm)
+        self.scales = nn.ModuleList(
+            nn.Sequential(
+                nn.Conv2d(inputs, width, 3, padding=reach, dilation=reach, bias=False),
+                settings.norm.build(width),
+            )
+            for reach in settings.dilations
+        )
+        self.whole = projection(inputs, width, settings.norm)
+
+    def forward(
+        self, features: Float[Tensor, "batch inputs height width"]
+    ) -> Float[Tensor, "batch outputs height width"]:
+        """Return the branches, one after the other, at the size that came in.
+
+        Raises:
+            InputError: In training, with one image: its mean cannot be normalised by itself.
+        """
+        if self.training and features.shape[0] == 1:
+            raise InputError(
+                "the pyramid normalises the mean of each image over the batch; training needs at "
+                "least 2 images in it on every device, got 1"
+            )
+        whole = self.whole(features.mean((-2, -1), keepdim=True))
+        branches = [self.point(features), *(scale(features) for scale in self.scales)]
+        return torch.cat([*branches, whole.expand_as(branches[0])], 1)
+
+
+def resized(
+    features: Float[Tensor, "batch channels _ _"], rows: int, columns: int
+) -> Float[Tensor, "batch channels rows columns"]:
+    """Return the features at another size, bilinear, with corners on corners.
+
+    This is the resize of the published decoders: the middles of the corner pixels stay where they
+    are, and the same size comes out as it went in.
+    """
+    return interpolate(features, (rows, columns), mode="bilinear", align_corners=True)
 
 
 def projection(inputs: int, width: int, norm: BatchNorm) -> nn.Sequential:

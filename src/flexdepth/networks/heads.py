@@ -7,6 +7,9 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn.functional import interpolate
 
+from flexdepth.geometry.depth import NYU_BINS, DepthBins
+from flexdepth.networks.blocks import start_as_xavier
+
 
 @dataclass(frozen=True)
 class LogDepth:
@@ -33,7 +36,7 @@ class LogDepthHead(nn.Module):
     def __init__(self, settings: LogDepth, inputs: int) -> None:
         super().__init__()
         self.settings = settings
-        self.conv = nn.Conv2d(inputs, 2, 3, padding=1)
+        self.conv = nn.Conv2d(inputs, 2, 3, padding=1, padding_mode="replicate")
         # Small weights: the first depth maps are nearly flat, well inside the range.
         nn.init.xavier_normal_(self.conv.weight, gain=0.1)
         nn.init.zeros_(self.conv.bias)  # type: ignore[arg-type]
@@ -50,3 +53,35 @@ class LogDepthHead(nn.Module):
         log_depth, sky_logit = maps.unbind(1)
         near, far = log(self.settings.nearest), log(self.settings.farthest)
         return (log_depth + log(self.settings.typical)).clamp(near, far).exp(), sky_logit
+
+
+@dataclass(frozen=True)
+class BinnedDepth:
+    """A score for each of many bins of depth; the depth is their mean in the logarithm.
+
+    Attributes:
+        bins: What is told apart.
+    """
+
+    bins: DepthBins = NYU_BINS
+
+    def build(self, inputs: int) -> "BinnedDepthHead":
+        """Return the head on features of `inputs` channels."""
+        return BinnedDepthHead(self, inputs)
+
+
+class BinnedDepthHead(nn.Module):
+    """The module of `BinnedDepth`: from features at the image's size."""
+
+    def __init__(self, settings: BinnedDepth, inputs: int) -> None:
+        super().__init__()
+        self.bins = settings.bins
+        self.conv = nn.Conv2d(inputs, self.bins.count, 3, padding=2, dilation=2)
+        start_as_xavier(self)
+
+    def forward(
+        self, features: Float[Tensor, "batch channels height width"]
+    ) -> tuple[Float[Tensor, "batch height width"], Float[Tensor, "batch bins height width"]]:
+        """Return depth in units of the bins, and the logits of the bins."""
+        logits = self.conv(features)
+        return self.bins.depth(logits), logits

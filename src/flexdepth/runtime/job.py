@@ -59,6 +59,7 @@ class Job:
             "lens": str(self.predictor.lens or "the photo's own"),
             "look": self.predictor.look.__name__,
             "long_side": str(self.predictor.long_side or "by area"),
+            "tiles": str(self.predictor.tiles),
         }
 
 

@@ -3,10 +3,9 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
+from math import log
 from pathlib import Path
-from typing import TypeVar
 
-import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -15,9 +14,8 @@ from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.images import Photo, read_photo
 from flexdepth.runtime.lens import Lens, intrinsics
 from flexdepth.runtime.model import Model
-from flexdepth.runtime.sizes import network_size
-
-Number = TypeVar("Number", np.uint8, np.float32)
+from flexdepth.runtime.sizes import network_size, resized
+from flexdepth.runtime.tiles import Seen, joined, tiling
 
 _SKY = 0.5
 """The probability above which a pixel is sky."""
@@ -57,12 +55,21 @@ class Predictor:
         long_side: The longer side of what the network sees, in pixels; None keeps the bundle's
             area.
         look: How the network looks at a picture.
+        tiles: How many tiles of a picture's longer side are looked at as well, each at the size
+            that the whole is given; fewer where they would be smaller than that. 1: the whole
+            alone.
     """
 
     model: Model
     lens: Lens | None = None
     long_side: int | None = None
     look: Look = once
+    tiles: int = 1
+
+    def __post_init__(self) -> None:
+        """Refuse a number of tiles that is none."""
+        if self.tiles < 1:
+            raise InputError(f"--tiles: wanted a whole number >= 1, got {self.tiles}")
 
     def predict(self, picture: Photo | str | Path | ArrayLike) -> DepthMap:
         """Return the depth of one picture, at its own size, +inf in the sky.
@@ -89,25 +96,37 @@ class Predictor:
         found = []
         for size, alike in groupby(photos, self._network_size):
             run = list(alike)
-            images = np.stack([_shown(photo.pixels, size) for photo in run])
-            depth, sky = self.look(self.model, images)
-            found += [self._at_own_size(*each) for each in zip(run, depth, sky, strict=True)]
+            seen = self._seen([photo.pixels for photo in run], size)
+            found += [self._at_own_size(*each) for each in zip(run, seen, strict=True)]
         return found
 
     def _network_size(self, photo: Photo) -> tuple[int, int]:
-        height, width = photo.pixels.shape[:2]
+        return self._size_of(photo.pixels)
+
+    def _size_of(self, pixels: NDArray[np.uint8]) -> tuple[int, int]:
+        height, width = pixels.shape[:2]
         return network_size(width, height, self.model.description, self.long_side)
 
-    def _at_own_size(
-        self, photo: Photo, canonical: NDArray[np.float32], sky: NDArray[np.float32]
-    ) -> DepthMap:
+    def _seen(self, pictures: Sequence[NDArray[np.uint8]], size: tuple[int, int]) -> list[Seen]:
+        images = np.stack([_shown(pixels, size) for pixels in pictures])
+        depth, sky = self.look(self.model, images)
+        return [Seen(*each) for each in zip(np.log(depth), sky, strict=True)]
+
+    def _tile_seen(self, pixels: NDArray[np.uint8]) -> Seen:
+        (seen,) = self._seen([pixels], self._size_of(pixels))
+        return seen
+
+    def _at_own_size(self, photo: Photo, whole: Seen) -> DepthMap:
         height, width = photo.pixels.shape[:2]
+        grid = tiling(width, height, self.tiles, whole.sky.size)
+        own = joined(photo.pixels, whole, grid, self._tile_seen)
         camera = intrinsics(width, height, self.lens, photo.focal_in_diagonals)
         about = self.model.description
         unit = camera.focal_in_diagonals(width, height) / about.canonical_focal
-        values = _resized(np.log(canonical * np.float32(unit)), (width, height))
+        values = own.log_depth
+        values += np.float32(log(unit))
         np.exp(values, out=values)
-        values[_resized(sky, (width, height)) > _SKY] = np.inf
+        values[own.sky > _SKY] = np.inf
         known = about.space is Space.METRIC and camera.source is not FocalSource.ASSUMED
         space = Space.METRIC if known else Space.SCALE
         return DepthMap(values, space, camera, self.model.title)
@@ -137,16 +156,5 @@ def photo_of(picture: Photo | str | Path | ArrayLike) -> Photo:
 
 def _shown(pixels: NDArray[np.uint8], size: tuple[int, int]) -> NDArray[np.float32]:
     """Return the picture as the network takes it: (3, height, width), RGB in [0, 1]."""
-    seen = _resized(np.ascontiguousarray(pixels), size)
+    seen = resized(np.ascontiguousarray(pixels), size)
     return np.moveaxis(seen, 2, 0).astype(np.float32) / np.float32(255)
-
-
-def _resized(values: NDArray[Number], size: tuple[int, int]) -> NDArray[Number]:
-    """Return `values` at `size` (width, height): means where it shrinks, else interpolated.
-
-    Pixel centres lie at half integers in both.
-    """
-    height, width = values.shape[:2]
-    shrinks = size[0] <= width and size[1] <= height
-    how = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
-    return np.asarray(cv2.resize(values, size, interpolation=how), values.dtype)

@@ -1,10 +1,17 @@
-"""The size at which the network looks at a picture."""
+"""The size at which the network looks at a picture, and the way there and back."""
 
 from itertools import product
 from math import log, sqrt
+from typing import TypeVar
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
 
 from flexdepth.runtime.bundle import Description
 from flexdepth.runtime.errors import InputError
+
+Number = TypeVar("Number", np.uint8, np.float32)
 
 _AREA_AGAINST_ASPECT = 0.5
 """How much an area off by a factor counts against an aspect off by the same factor."""
@@ -47,6 +54,17 @@ def network_size(
 
     sides = (_around(width * scale, multiple, longest), _around(height * scale, multiple, longest))
     return min(product(*sides), key=stretch)
+
+
+def resized(values: NDArray[Number], size: tuple[int, int]) -> NDArray[Number]:
+    """Return `values` at `size` (width, height): means where it shrinks, else interpolated.
+
+    Pixel centres lie at half integers in both.
+    """
+    height, width = values.shape[:2]
+    shrinks = size[0] <= width and size[1] <= height
+    how = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
+    return np.asarray(cv2.resize(values, size, interpolation=how), values.dtype)
 
 
 def _nearest(length: float, multiple: int) -> int:
