@@ -97,3 +97,11 @@ def test_a_sample_knows_valid_from_sky_from_unknown():
     assert sample.truth.depth.isfinite().all()
     assert (sample.truth.depth > 0).all()
     assert sample.key.camera.centre.tolist() == [15.0, 13.0]
+
+
+def test_a_frame_covers_the_edges_and_nothing_else():
+    image = np.full((40, 60, 3), 90, np.uint8)
+    seen = [Colour(1e-9, framed=1e9)(np.random.default_rng(seed), image) for seed in range(40)]
+    assert all((picture[2:-2, 3:-3] == 90).all() for picture in seen)
+    assert any((picture[0] != 90).all() for picture in seen)
+    assert {int(picture[0, 0, 0]) for picture in seen} == {0, 90, 128, 255}

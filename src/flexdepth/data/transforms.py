@@ -1,7 +1,8 @@
 """From a stored pair to a training sample: crop, size, mirror, colour.
 
 Whatever moves the pixels moves image, depth and camera together. Depth stays in metres: a crop
-does not bring the world nearer, it makes the focal length longer in image diagonals.
+does not bring the world nearer, it makes the focal length longer in image diagonals. Only `shrunk`
+changes depth, and says so.
 """
 
 from dataclasses import dataclass
@@ -17,6 +18,8 @@ from flexdepth.data.folder import Pair
 from flexdepth.geometry.camera import Camera
 from flexdepth.runtime.depthmap import DepthMap, Intrinsics
 from flexdepth.sample import Frame, Sample, Truth
+
+_GREY = 128
 
 
 @dataclass(frozen=True)
@@ -48,13 +51,16 @@ class Crop:
 
 @dataclass(frozen=True)
 class Colour:
-    """Random brightness, contrast, saturation, tint, gamma; at times grey, blur and noise.
+    """Random brightness, contrast, saturation, tint, gamma; at times grey, blur, noise, a frame.
 
     Attributes:
         strength: 1 is what photographs differ by; 0 leaves them alone.
+        framed: Share of images with a plain frame over their edges, as scans and the pictures of
+            some sensors have; the depth behind it stays what it is.
     """
 
     strength: float = 1.0
+    framed: float = 0.12
 
     def __call__(self, rng: Generator, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """Return the image in another light, through another camera."""
@@ -70,7 +76,20 @@ class Colour:
             x = np.asarray(cv2.GaussianBlur(x.astype(np.float32), (0, 0), rng.uniform(0.3, 1.2)))
         if rng.random() < 0.25 * s:
             x = x + rng.normal(0, rng.uniform(0, 0.04), x.shape)
+        if rng.random() < self.framed * s:
+            x = _framed(rng, x)
         return np.asarray((255 * np.clip(x, 0, 1)).round(), np.uint8)
+
+
+def _framed(rng: Generator, image: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Return the image with up to a twentieth of each side white, black or grey."""
+    height, width = image.shape[:2]
+    top, bottom = rng.integers(0, height // 20 + 1, 2)
+    left, right = rng.integers(0, width // 20 + 1, 2)
+    out = np.full_like(image, rng.choice([0.0, 0.5, 1.0], p=[0.4, 0.1, 0.5]))
+    inside = slice(top, height - bottom), slice(left, width - right)
+    out[inside] = image[inside]
+    return out
 
 
 def cropped(pair: Pair, box: tuple[int, int, int, int]) -> Pair:
@@ -107,6 +126,23 @@ def mirrored(pair: Pair) -> Pair:
         camera.focal_x, camera.focal_y, width - camera.centre_x, camera.centre_y, camera.source
     )
     return _remade(pair, pair.image[:, ::-1], pair.truth.values[:, ::-1], turned)
+
+
+def padded(pair: Pair, left: int, top: int) -> Pair:
+    """Return the pair with grey columns on its left and grey rows on top, of unknown depth."""
+    grown = ((top, 0), (left, 0))
+    image = np.pad(pair.image, (*grown, (0, 0)), constant_values=_GREY)
+    depth = np.pad(pair.truth.values, grown, constant_values=np.nan)
+    camera = _camera(pair)
+    shifted = Intrinsics(
+        camera.focal_x, camera.focal_y, camera.centre_x + left, camera.centre_y + top, camera.source
+    )
+    return _remade(pair, image, depth, shifted)
+
+
+def shrunk(pair: Pair, ratio: float) -> Pair:
+    """Return the same picture of a world `ratio` times smaller: normals stay, depth is divided."""
+    return _remade(pair, pair.image, pair.truth.values / np.float32(ratio), _camera(pair))
 
 
 def as_sample(pair: Pair) -> Sample:

@@ -20,8 +20,8 @@ _COMPACT_LARGE = replace(
     start=Trained(Path("runs/compact") / BEST),
     terms={**_COMPACT.terms, "gradient": Term(GradientMatching(), 1.0)},
     loop=LoopSettings(
-        iterations=1000,
-        save_every=125,
+        iterations=800,
+        save_every=100,
         batches=BatchSettings(
             shapes=((384, 288), (384, 288), (320, 320), (448, 224), (576, 192)), seed=1
         ),
