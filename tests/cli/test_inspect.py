@@ -1,4 +1,6 @@
 import json
+import sys
+from io import StringIO
 
 import numpy as np
 import pytest
@@ -75,3 +77,13 @@ def test_help_lists_the_options(capsys):
     with pytest.raises(SystemExit, match="0"):
         run(["--help"])
     assert "--json" in capsys.readouterr().out
+
+
+def test_a_reader_that_has_seen_enough_is_no_mistake(room, monkeypatch):
+    class Closed(StringIO):
+        def write(self, _text):
+            raise BrokenPipeError
+
+    monkeypatch.setattr(sys, "stdout", Closed())
+    with pytest.raises(BrokenPipeError):
+        run([str(room)])

@@ -3,7 +3,7 @@ import os
 
 import pytest
 
-from flexdepth.runtime.atomic import replacing
+from flexdepth.runtime.atomic import check_writable, replacing
 from flexdepth.runtime.errors import InputError
 
 
@@ -64,3 +64,18 @@ def test_a_folder_or_a_file_in_the_way_is_named(tmp_path):
     ):
         t.touch()
     assert sorted(entry.name for entry in tmp_path.iterdir()) == ["file", "room.npz"]
+
+
+def test_a_folder_that_can_be_made_is_writable_and_one_below_a_file_is_not(tmp_path):
+    check_writable(tmp_path)
+    check_writable(tmp_path / "new" / "newer")
+    (tmp_path / "file").touch()
+    for folder in (tmp_path / "file", tmp_path / "file" / "new"):
+        with pytest.raises(InputError, match="file is no folder; choose another --output-dir"):
+            check_writable(folder)
+
+
+def test_a_folder_that_may_not_be_written_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda path, _mode: path != tmp_path)
+    with pytest.raises(InputError, match="permission denied"):
+        check_writable(tmp_path / "new")

@@ -400,3 +400,9 @@ def test_rows_that_are_not_contiguous_are_written_as_they_are_seen(tmp_path, suf
     write_depth(tmp_path / f"a{suffix}", DepthMap(values, Space.METRIC), None)
     # Half a millimetre, the step of the 16-bit PNG.
     np.testing.assert_allclose(read_depth(tmp_path / f"a{suffix}").values, values, atol=5.1e-4)
+
+
+def test_a_path_may_be_text(tmp_path):
+    path = tmp_path / "a.npz"
+    write_depth(str(path), DepthMap(np.ones((2, 3), np.float32), Space.SCALE))
+    assert read_depth(str(path)).values.shape == (2, 3)

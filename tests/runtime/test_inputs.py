@@ -119,3 +119,15 @@ def test_a_folder_that_may_not_be_read_hides_none_of_the_others(folder, monkeypa
     inputs, refusals = find_inputs(["trip"], Path("depth"))
     assert [each.name for each in inputs] == [Path("a")]
     assert "locked: the folder cannot be read: Permission denied" in refusals[0].reason
+
+
+def test_an_empty_name_is_refused(folder):
+    folder("a.jpg")
+    assert reasons("") == ["an input is an empty name; name a photo, a folder or a video"]
+
+
+def test_a_photo_under_the_name_of_a_video_is_a_photo(folder):
+    (folder() / "a.mp4").write_bytes(b"\xff\xd8\xff\xe0 and so on")
+    (folder() / "b.mp4").write_bytes(b"\0\0\0\x20ftypisom")
+    found, _ = find_inputs(["a.mp4", "b.mp4", "missing.mp4"], Path("depth"))
+    assert [each.is_video for each in found] == [False, True, True]

@@ -50,3 +50,8 @@ def test_a_focal_length_that_is_none_is_refused(pixels):
 def test_a_field_of_view_that_is_none_is_refused(degrees):
     with pytest.raises(InputError, match=f"between 0 and 180 degrees, got {degrees:g}"):
         FieldOfView(degrees)
+
+
+def test_a_bare_number_is_no_lens():
+    with pytest.raises(InputError, match="a lens is a FocalLength or a FieldOfView, got 500"):
+        intrinsics(640, 480, 500, None)

@@ -18,7 +18,8 @@ def metric(depth, camera=CAMERA):
 def plane(normal, distance):
     """Depth of the plane n·X = −distance, whose normal points towards the camera."""
     along = rays(*PIXELS, CAMERA) @ np.asarray(normal, np.float32)
-    return np.where(along < 0, -distance / along, np.nan).astype(np.float32)
+    facing = along < 0
+    return np.where(facing, -distance / np.where(facing, along, -1), np.nan).astype(np.float32)
 
 
 def row(*values):

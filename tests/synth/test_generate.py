@@ -29,7 +29,7 @@ def written(tmp_path_factory):
 def test_two_runs_give_the_same_bytes_whatever_the_number_of_processes(written, tmp_path):
     list(write_images(SMALL, 6, tmp_path, 2))
     assert digests(tmp_path) == digests(written)
-    assert len(digests(written)) == 12
+    assert len(digests(written)) == 13
 
 
 def test_an_interrupted_run_goes_on(written, tmp_path):
@@ -39,6 +39,18 @@ def test_an_interrupted_run_goes_on(written, tmp_path):
     list(write_images(SMALL, 6, tmp_path, 1))
     assert kept.stat().st_mtime_ns == before
     assert digests(tmp_path) == digests(written)
+
+
+def test_images_of_two_worlds_do_not_mix(tmp_path):
+    list(write_images(SMALL, 1, tmp_path, 1))
+    with pytest.raises(InputError, match=r"world\.json: the images here are of another world"):
+        list(write_images(SynthSettings(4, 64, 48), 1, tmp_path, 1))
+
+
+def test_a_file_in_the_place_of_the_folder_is_refused(tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match=r"world\.json: cannot be written"):
+        list(write_images(SMALL, 1, tmp_path / "file", 1))
 
 
 def test_the_depth_file_says_metres_and_camera(written):

@@ -33,6 +33,13 @@ class Inspect:
     """Print a JSON list, one object a file, for scripts."""
 
 
+class _Console(Console):
+    """Leaves it to `cli.main` what a reader that went away, as in `| head`, means."""
+
+    def on_broken_pipe(self) -> None:
+        raise BrokenPipeError
+
+
 def run(arguments: Sequence[str]) -> int:
     """Inspect the files that `arguments` name; the good ones are shown beside broken ones."""
     settings = tyro.cli(Inspect, args=arguments, prog="flexdepth inspect")
@@ -47,8 +54,9 @@ def run(arguments: Sequence[str]) -> int:
     if settings.json:
         sys.stdout.write(json.dumps(found, indent=1) + "\n")
     else:
-        console = Console()
+        console = _Console()
         for record in found:
+            console.print(Text(str(record["file"])), soft_wrap=True)
             console.print(table(record))
     if failures:
         raise InputError("; ".join(failures))
@@ -81,7 +89,7 @@ def table(record: Mapping[str, object]) -> Table:
     origin = record["origin"]
     if isinstance(origin, Mapping):
         rows |= {f"origin: {name}": str(value) for name, value in origin.items()}
-    shown = Table(title=Text(str(record["file"])), title_justify="left", show_header=False)
+    shown = Table(show_header=False)
     for name, value in rows.items():
         shown.add_row(Text(name), Text(value))
     return shown

@@ -1,5 +1,6 @@
 """`flexdepth predict INPUT...`: the depth of photos, folders and videos."""
 
+import os
 import sys
 import time
 from collections.abc import Sequence
@@ -19,6 +20,9 @@ from flexdepth.runtime.model import Provider, load_model
 from flexdepth.runtime.outputs import DEPTH, MESH, NORMALS, POINTS, PREVIEW, Output
 from flexdepth.runtime.predictor import Predictor, mirrored_too, once
 from flexdepth.runtime.run import results, without_clashes
+
+_LARGEST_SIDE = 4096
+"""What the network sees takes memory by its area: far beyond this, more than any machine has."""
 
 _Flag = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(help_behavior_hint="")]
 
@@ -120,8 +124,16 @@ def job_of(settings: Predict) -> Job:
     for name, value in (("--batch", settings.batch), ("--max-pixels", settings.max_pixels)):
         if value < 1:
             raise InputError(f"{name}: wanted a whole number >= 1, got {value}")
+    if os.path.isfile(settings.output_dir):  # Path.is_file raises below a forbidden folder
+        raise InputError(f"--output-dir: {settings.output_dir} is a file, wanted a folder")
     lens = _lens(settings)
     model = load_model(settings.model, settings.provider, settings.threads)
+    least, long_side = model.description.multiple, settings.long_side
+    if long_side is not None and not least <= long_side <= _LARGEST_SIDE:
+        raise InputError(
+            f"--long-side: wanted {least} to {_LARGEST_SIDE} pixels, got {long_side}; "
+            "--tiles shows the network more detail in less memory"
+        )
     return Job(
         Predictor(
             model, lens, settings.long_side, mirrored_too if settings.flip else once, settings.tiles
@@ -143,7 +155,7 @@ def _lens(settings: Predict) -> Lens | None:
 
 
 def _outputs(settings: Predict) -> tuple[Output, ...]:
-    """Return the depth files first, for what follows is made of them."""
+    """Return the depth files first, and the points, which a picture of sky has none of, last."""
     if settings.mesh and not settings.points:
         raise InputError("--mesh joins points: say --points ply or --points glb too")
     formats = dict.fromkeys(settings.format or ("npz",))
@@ -151,6 +163,6 @@ def _outputs(settings: Predict) -> tuple[Output, ...]:
     return (
         *(DEPTH[name] for name in formats),
         *((PREVIEW,) if settings.preview else ()),
-        *((shapes[settings.points],) if settings.points else ()),
         *((NORMALS,) if settings.normals else ()),
+        *((shapes[settings.points],) if settings.points else ()),
     )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 
 from flexdepth.runtime.depthmap import FocalSource
+from flexdepth.runtime.errors import one_line
 from flexdepth.runtime.job import Job, Result, Status
 
 _MOST_NAMED = 20
@@ -70,7 +71,7 @@ class Summary:
         counts = [f"{count} {name}" for name, count in self._counts().items() if count]
         start = "stopped: " if self.stopped else ""
         lines.append(f"{start}{', '.join(counts) or 'nothing done'} in {self.seconds:.1f} s")
-        return "".join(f"flexdepth: {line}\n" for line in lines)
+        return "".join(f"flexdepth: {one_line(line)}\n" for line in lines)
 
     def json(self, job: Job) -> str:
         """Return everything as one JSON document."""

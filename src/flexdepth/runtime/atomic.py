@@ -9,6 +9,21 @@ from secrets import token_hex
 from flexdepth.runtime.errors import InputError
 
 
+def check_writable(folder: Path) -> None:
+    """Refuse a folder that cannot be written, or made, before work for it is done.
+
+    Raises:
+        InputError: It is a file or lies below one, or permissions forbid it.
+    """
+    there = next((each for each in (folder, *folder.parents) if os.path.lexists(each)), Path())
+    if not os.path.isdir(there):
+        raise InputError(f"{folder}: {there} is no folder; choose another --output-dir")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise InputError(
+            f"{folder}: {there} cannot be written, permission denied; choose another --output-dir"
+        )
+
+
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
     """Give a temporary path beside `path` that becomes `path` when the block ends well.

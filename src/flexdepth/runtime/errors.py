@@ -8,3 +8,8 @@ class InputError(ValueError):
     command line shows it without a traceback and exits with code 2; everything else that is
     raised is a bug.
     """
+
+
+def one_line(message: str) -> str:
+    """Return the message with the line ends and control characters of file names escaped."""
+    return "".join(each if each.isprintable() else ascii(each)[1:-1] for each in message)

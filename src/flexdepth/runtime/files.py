@@ -41,7 +41,9 @@ _FORMATS = MappingProxyType(
 )
 
 
-def write_depth(path: Path, depth_map: DepthMap, origin: Mapping[str, str] | None) -> None:
+def write_depth(
+    path: Path | str, depth_map: DepthMap, origin: Mapping[str, str] | None = None
+) -> None:
     """Write `depth_map` with its meaning, in the format that the suffix of `path` names.
 
     The file appears whole or not at all; one that was there is replaced. npy and pfm get
@@ -55,17 +57,18 @@ def write_depth(path: Path, depth_map: DepthMap, origin: Mapping[str, str] | Non
     Raises:
         InputError: The suffix is none of `SUFFIXES`, or the file cannot be written.
     """
-    _format(path).write(path, depth_map, origin)
+    _format(Path(path)).write(Path(path), depth_map, origin)
 
 
-def read_depth(path: Path) -> DepthMap:
+def read_depth(path: Path | str) -> DepthMap:
     """Return the depth map in `path`.
 
     Raises:
         InputError: The file is missing or broken, or does not say what its numbers mean: that
             is never guessed, for a wrong guess is off by a factor.
     """
-    return _meaning(path).depth_map(_format(path).numbers(path), path)
+    file = Path(path)
+    return _meaning(file).depth_map(_format(file).numbers(file), file)
 
 
 def read_meaning(path: Path) -> dict[str, object]:
@@ -120,7 +123,7 @@ def _meaning(path: Path) -> Meaning:
     if said is None:
         raise InputError(
             f"{path}: does not say what its numbers mean; state it once, for instance "
-            f"`flexdepth convert {path.name} --format npz --space metric --scale 0.001` "
+            f"`flexdepth convert {path} --format npz --space metric --scale 0.001` "
             f"for millimetres"
         )
     return said

@@ -34,6 +34,7 @@ _FORMATS = {
     "AVIF": (".avif",),
 }
 _FORMAT_OF_SUFFIX = {suffix: name for name, suffixes in _FORMATS.items() for suffix in suffixes}
+_STARTS = (b"\xff\xd8\xff", b"\x89PNG\r\n", b"GIF8", b"II*\0", b"MM\0*")
 _HEIC_SUFFIXES = (".heic", ".heif")
 # A raw file is a TIFF whose first picture is a thumbnail: it would be read, and wrongly.
 _RAW_SUFFIXES = (".dng", ".nef", ".cr2", ".cr3", ".arw", ".orf", ".rw2", ".raf", ".pef", ".srw")
@@ -91,6 +92,15 @@ def is_picture_name(path: Path) -> bool:
     return path.suffix.lower() in (*_FORMAT_OF_SUFFIX, *_HEIC_SUFFIXES)
 
 
+def starts_like_picture(path: Path) -> bool:
+    """Return whether the file starts as JPEG, PNG, GIF or TIFF do, which no video does."""
+    try:
+        with open_input(path) as file:
+            return file.read(16).startswith(_STARTS)
+    except InputError:
+        return False
+
+
 def read_photo(path: Path, max_pixels: int = 200_000_000) -> Photo:
     """Read a photo as a person sees it: RGB, 8 bits, upright, opaque, the first frame.
 
@@ -132,7 +142,7 @@ def _decode(path: Path, file: BinaryIO, max_pixels: int) -> tuple[NDArray[np.uin
         if image.width * image.height > max_pixels:
             raise InputError(
                 f"{path}: has {image.width} x {image.height} pixels, the limit is {max_pixels}; "
-                "shrink it or raise the limit"
+                "shrink it or raise the limit (--max-pixels)"
             )
         image.load()
         _warn_of_name(path, image.format or "")

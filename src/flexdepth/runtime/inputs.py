@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from glob import glob, has_magic
 from pathlib import Path
 
-from flexdepth.runtime.images import is_picture_name
+from flexdepth.runtime.images import is_picture_name, starts_like_picture
 
 _OWN = (".preview.png", ".normals.png", ".preview.mp4")
 
@@ -32,8 +32,8 @@ class Input:
 
     @property
     def is_video(self) -> bool:
-        """Whether its name is that of a video."""
-        return _is_video_name(self.path)
+        """Whether its name is that of a video, unless it holds a picture all the same."""
+        return _is_video_name(self.path) and not starts_like_picture(self.path)
 
 
 @dataclass(frozen=True)
@@ -67,8 +67,11 @@ def find_inputs(given: Sequence[str], output: Path) -> tuple[list[Input], list[R
 
 def _meant(text: str, output: Path) -> Iterator[Input | Refusal]:
     path = Path(text)
+    if not text:
+        yield Refusal(path, "an input is an empty name; name a photo, a folder or a video")
+        return
     try:
-        if path.is_dir() and text:
+        if path.is_dir():
             yield from _listed(path, output)
         elif has_magic(text) and not path.exists():
             yield from _matching(text, output)
@@ -126,7 +129,7 @@ def _is_video_name(path: Path) -> bool:
 
 
 def _is_same(folder: Path, output: Path) -> bool:
-    return output.exists() and folder.samefile(output)
+    return os.path.exists(output) and folder.samefile(output)
 
 
 def _told_apart(inputs: Iterable[Input]) -> list[Input]:

@@ -69,3 +69,4 @@ def intrinsics(
         case None:
             focal = ASSUMED_FOCAL_IN_DIAGONALS * hypot(width, height)
             return Intrinsics.centred(width, height, focal, FocalSource.ASSUMED)
+    raise InputError(f"a lens is a FocalLength or a FieldOfView, got {lens!r}")

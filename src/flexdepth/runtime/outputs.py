@@ -4,6 +4,7 @@ Every output says what it was made from: its origin. An output of the same origi
 made again; any other file in its place is somebody's work and is not replaced unasked.
 """
 
+import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -13,14 +14,17 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdepth.runtime.atomic import check_writable
 from flexdepth.runtime.depthmap import DepthMap
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.files import SUFFIXES, read_meaning, write_depth
+from flexdepth.runtime.interrupts import interrupts_held
 from flexdepth.runtime.origin import Origin, glb_origin, picture_origin, ply_origin, write_picture
 from flexdepth.runtime.picture import preview
 from flexdepth.runtime.surface import normals, normals_picture
 
-# Point clouds are imported where they are made: trimesh alone takes longer than a prediction.
+# Point clouds are imported where they are made: trimesh alone takes longer than a prediction. It
+# also swallows a Ctrl-C that meets it while it is imported.
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,25 +76,29 @@ def _write_normals(path: Path, scene: Scene, origin: Origin) -> None:
 
 
 def _write_ply(path: Path, scene: Scene, origin: Origin) -> None:
-    from flexdepth.runtime.cloud import points, write_ply  # noqa: PLC0415 - see above
+    with interrupts_held():
+        from flexdepth.runtime.cloud import points, write_ply  # noqa: PLC0415 - see above
 
     write_ply(path, points(scene.depth_map, scene.pixels), origin)
 
 
 def _write_glb(path: Path, scene: Scene, origin: Origin) -> None:
-    from flexdepth.runtime.cloud import points, write_glb  # noqa: PLC0415 - see above
+    with interrupts_held():
+        from flexdepth.runtime.cloud import points, write_glb  # noqa: PLC0415 - see above
 
     write_glb(path, points(scene.depth_map, scene.pixels), origin)
 
 
 def _write_ply_mesh(path: Path, scene: Scene, origin: Origin) -> None:
-    from flexdepth.runtime.cloud import mesh, write_ply  # noqa: PLC0415 - see above
+    with interrupts_held():
+        from flexdepth.runtime.cloud import mesh, write_ply  # noqa: PLC0415 - see above
 
     write_ply(path, mesh(scene.depth_map, scene.pixels), origin)
 
 
 def _write_glb_mesh(path: Path, scene: Scene, origin: Origin) -> None:
-    from flexdepth.runtime.cloud import mesh, write_glb  # noqa: PLC0415 - see above
+    with interrupts_held():
+        from flexdepth.runtime.cloud import mesh, write_glb  # noqa: PLC0415 - see above
 
     write_glb(path, mesh(scene.depth_map, scene.pixels), origin)
 
@@ -138,13 +146,16 @@ def unmade(
         overwrite: Make all of them, whatever is there.
 
     Raises:
-        InputError: Something else lies in the place of an output.
+        InputError: Something else lies in the place of an output, or none can be written there.
     """
-    return tuple(
+    missing = tuple(
         output
         for output in outputs
         if overwrite or not is_made(output.path(base), {**origin, **output.mark}, output.origin)
     )
+    if missing:
+        check_writable(base.parent)
+    return missing
 
 
 def is_made(path: Path, origin: Origin, said: Callable[[Path], Origin | None]) -> bool:
@@ -158,7 +169,7 @@ def is_made(path: Path, origin: Origin, said: Callable[[Path], Origin | None]) -
     Raises:
         InputError: Something else lies there.
     """
-    if not path.exists():
+    if not os.path.exists(path):  # Path.exists raises where the folder may not be searched
         return False
     with suppress(InputError):
         if said(path) == origin:

@@ -1,9 +1,12 @@
 """Rendered images by number: the same (seed, index) is the same image, on every run."""
 
+import json
+import os
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import lru_cache
+from multiprocessing import get_context
 from pathlib import Path
 
 import cv2
@@ -14,6 +17,7 @@ from flexdepth.runtime.atomic import replacing
 from flexdepth.runtime.depthmap import DepthMap, FocalSource, Intrinsics, Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.files import write_depth
+from flexdepth.runtime.opening import open_input
 from flexdepth.synth.lens import photograph
 from flexdepth.synth.patterns import Library
 from flexdepth.synth.render import Rendering, Stage, render, worth_taking
@@ -109,18 +113,38 @@ def _write_scene(settings: SynthSettings, indices: range, folder: Path) -> int:
     return len(indices)
 
 
+def _claim(folder: Path, settings: SynthSettings) -> None:
+    """Write `world.json`, what the folder's images show; refuse a folder of another world."""
+    world = {"version": VERSION, **asdict(settings)}
+    stated = folder / "world.json"
+    if not os.path.exists(stated):
+        with replacing(stated) as path:
+            path.write_text(json.dumps(world) + "\n", encoding="ascii")
+        return
+    with open_input(stated) as file:
+        found = file.read().decode("ascii", "replace")
+    if found.strip() != json.dumps(world):
+        raise InputError(
+            f"{stated}: the images here are of another world, {found.strip()}; wanted "
+            f"{json.dumps(world)}; take another folder"
+        )
+
+
 def write_images(
     settings: SynthSettings, count: int, folder: Path, processes: int
 ) -> Iterator[int]:
     """Write images 0 to `count` - 1, and yield how many are done after each scene.
 
     Interrupted runs go on where they stopped. The bytes do not depend on `processes`.
+
+    Raises:
+        InputError: The folder cannot be written, or holds images of other settings.
     """
-    for name in ("image", "depth"):
-        (folder / name).mkdir(parents=True, exist_ok=True)
+    _claim(folder, settings)
     scenes = [range(first, min(first + VIEWS, count)) for first in range(0, count, VIEWS)]
     done = 0
-    pool = ProcessPoolExecutor(processes)
+    # A forked child inherits the locks of threads that it does not have, and can wait for ever.
+    pool = ProcessPoolExecutor(processes, mp_context=get_context("spawn"))
     try:
         jobs = [pool.submit(_write_scene, settings, scene, folder) for scene in scenes]
         for job in jobs:
