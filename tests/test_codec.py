@@ -51,3 +51,14 @@ def test_an_unknown_member_is_refused():
     values["shape"]["_type"] = "Triangle"
     with pytest.raises(InputError, match="shape"):
         CODEC.restored(Drawing, values, "run.json")
+
+
+def test_a_member_without_a_tag_is_the_one_that_is_meant():
+    codec = Codec((Circle | Square,), {Circle | Square: Square})
+    untagged = {"shape": {"radius": 2.5}, "sizes": [3]}
+    assert codec.restored(Drawing, untagged, "file") == Drawing(Square(2.5), (3,))
+    assert codec.restored(Drawing, codec.plain(Drawing()), "file") == Drawing()
+    with pytest.raises(InputError, match="shape"):
+        codec.restored(Drawing, {"shape": {"_type": "Triangle", "radius": 1.0}}, "file")
+    with pytest.raises(InputError, match="shape"):
+        CODEC.restored(Drawing, untagged, "file")

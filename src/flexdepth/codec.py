@@ -4,7 +4,8 @@ A member of a union carries the name of its class under `_type`. Unknown fields 
 are refused, so that a file from another version never loads as something else.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -23,9 +24,12 @@ class Codec:
 
     Attributes:
         unions: Every union of settings classes that occurs in what is translated.
+        untagged: The member that is meant where a file has no `_type`, for those of the unions
+            that once had but one member.
     """
 
     unions: tuple[Any, ...]
+    untagged: Mapping[Any, type] = field(default_factory=dict)
 
     def plain(self, settings: object) -> dict[str, Any]:
         """Return the settings as nested dictionaries, lists, numbers and strings."""
@@ -53,4 +57,14 @@ class Codec:
         converter = make_converter(forbid_extra_keys=True)
         for union in self.unions:
             configure_tagged_union(union, converter)
+        for union, member in self.untagged.items():
+            _tag_if_missing(converter, union, member)
         return converter
+
+
+def _tag_if_missing(converter: JsonConverter, union: Any, member: type) -> None:  # noqa: ANN401
+    """Let the converter read a member without a tag; one with an unknown tag stays refused."""
+    tagged = converter.get_structure_hook(union)
+    converter.register_structure_hook(
+        union, lambda values, kind: tagged({"_type": member.__name__, **values}, kind)
+    )

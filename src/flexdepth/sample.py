@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float
 from torch import Tensor
 
 from flexdepth.geometry.camera import Camera
-from flexdepth.geometry.depth import canonical_from_metres
+from flexdepth.geometry.depth import DepthBins, canonical_from_metres, metres_from_canonical
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,29 +55,39 @@ class Sample:
         name: Where it comes from; in a batch, one name for each.
         key: The frame whose depth is sought.
         truth: Its depth, where it is known.
+        draw: Which of the random changes of the same image this is, such as the number of the
+            batch it is in. What is random in a loss follows from it.
     """
 
     name: str | tuple[str, ...]
     key: Frame
     truth: Truth | None
+    draw: int | tuple[int, ...] = 0
 
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
     """What a network says of a batch of images.
 
+    Depth is in units: a unit is that of `bins`, and a metre without bins.
+
     Attributes:
-        depth: For a camera of `canonical_focal`.
-        canonical_focal: In image diagonals: metres = depth * (focal length in diagonals) /
-            `canonical_focal`.
+        depth: For a camera of `canonical_focal`, or for the camera that took the image.
+        canonical_focal: In image diagonals: metres = depth * unit * (focal length in diagonals) /
+            `canonical_focal`. None for a network whose units do not depend on the camera:
+            metres = depth * unit.
         sky_logit: Log odds of a pixel being sky.
         attention: Maps of spatial attention in [0, 1], coarsest first, each at its own size.
+        logits: Of the probability of each of `bins`; `depth` is decoded from them.
+        bins: What a network that classifies depth tells apart.
     """
 
     depth: Float[Tensor, "*batch height width"]
-    canonical_focal: float
+    canonical_focal: float | None
     sky_logit: Float[Tensor, "*batch height width"] | None = None
     attention: tuple[Float[Tensor, "*batch 1 _ _"], ...] = ()
+    logits: Float[Tensor, "*batch bins height width"] | None = None
+    bins: DepthBins | None = None
 
 
 def measured(sample: Sample, wanted_by: str) -> Truth:
@@ -95,8 +105,50 @@ def measured(sample: Sample, wanted_by: str) -> Truth:
     return sample.truth
 
 
-def canonical_truth(
-    sample: Sample, truth: Truth, canonical_focal: float
+def true_depth(
+    prediction: Prediction, sample: Sample, wanted_by: str
+) -> tuple[Float[Tensor, "*batch height width"], Bool[Tensor, "*batch height width"]]:
+    """Return what the prediction's depth should be, and where that is known.
+
+    It is in the prediction's units and for its camera, positive and finite everywhere; one where
+    it is not known. Zero, negative, infinite and undefined depth is not known, whatever `valid`
+    says. Depth beyond the prediction's bins is brought into their range, for the network cannot
+    say it.
+
+    Args:
+        prediction: Says the units.
+        sample: Holds the truth.
+        wanted_by: Who needs it, for the message.
+
+    Raises:
+        ValueError: If the sample has no truth.
+    """
+    truth, bins = measured(sample, wanted_by), prediction.bins
+    depth = truth.depth
+    if prediction.canonical_focal is not None:
+        focal = sample.key.focal_in_diagonals()
+        depth = canonical_from_metres(depth, focal, prediction.canonical_focal)
+    if bins is not None:
+        depth = depth / bins.unit
+    valid = truth.valid & (depth > 0) & depth.isfinite()
+    if bins is not None:
+        depth = bins.clipped(depth)
+    return depth.where(valid, 1.0), valid
+
+
+def in_metres(
+    depth: Float[Tensor, "*batch height width"], prediction: Prediction, sample: Sample
 ) -> Float[Tensor, "*batch height width"]:
-    """Return the true depth of the key frame for a camera of `canonical_focal`."""
-    return canonical_from_metres(truth.depth, sample.key.focal_in_diagonals(), canonical_focal)
+    """Return in metres, for the camera that took the image, depth that is as `prediction` has it.
+
+    Args:
+        depth: In the prediction's units and for its camera: its own depth, or `true_depth`.
+        prediction: Says the units.
+        sample: Says the camera.
+    """
+    if prediction.bins is not None:
+        depth = depth * prediction.bins.unit
+    if prediction.canonical_focal is None:
+        return depth
+    focal = sample.key.focal_in_diagonals()
+    return metres_from_canonical(depth, focal, prediction.canonical_focal)

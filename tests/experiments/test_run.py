@@ -2,13 +2,14 @@ from dataclasses import replace
 
 import pytest
 import torch
+from safetensors.torch import save_file
 
 from flexdepth.data.folder import Folder
 from flexdepth.experiments.catalogue import CATALOGUE
-from flexdepth.experiments.experiment import CODEC, Experiment, Trained
+from flexdepth.experiments.experiment import CODEC, Experiment, ImageNet, Trained
 from flexdepth.experiments.run import BEST, LATEST, run_experiment, trained_network
 from flexdepth.networks.compact import Compact
-from flexdepth.networks.encoders import imagenet_weights
+from flexdepth.networks.pretrained import imagenet_weights
 from flexdepth.runtime.errors import InputError
 from flexdepth.synth.generate import SynthSettings, write_images
 from flexdepth.training.batches import BatchSettings
@@ -89,3 +90,11 @@ def test_a_run_can_start_from_another_run(finished, experiment, tmp_path):
     before, after = load(start.checkpoint), load(tmp_path / LATEST)
     name = "encoder.trunk.conv_stem.weight"
     assert torch.equal(before.part("average")[name], after.part("network")[name])
+
+
+def test_encoder_weights_of_another_network_stop_a_run_before_it_begins(experiment, tmp_path):
+    save_file({"stem.weight": torch.ones(1)}, tmp_path / "other.safetensors")
+    named = replace(experiment, start=ImageNet(tmp_path / "other.safetensors"))
+    with pytest.raises(InputError, match=r"not the weights of tf_efficientnet_lite0.*stem\.weight"):
+        run_experiment(named, tmp_path / "run", 0, print)
+    assert not (tmp_path / "run").exists()

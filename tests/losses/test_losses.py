@@ -11,10 +11,37 @@ from torch.testing import assert_close
 
 from flexdepth import losses
 from flexdepth.geometry.camera import Camera
-from flexdepth.losses import GradientMatching, Loss, Silog, Sky
+from flexdepth.geometry.depth import DepthBins
+from flexdepth.losses import (
+    GradientMatching,
+    Loss,
+    Silog,
+    Sky,
+    Squared,
+    VirtualNormal,
+    WeightedCrossEntropy,
+)
+from flexdepth.losses.virtual_normal import Triangles
 from flexdepth.sample import Frame, Prediction, Sample, Truth
 
-every_loss = pytest.mark.parametrize("loss", [kind() for kind in get_args(Loss)], ids=repr)
+BINS = DepthBins(6, 0.05, 60.0, unit=1.0)
+# Images of 16 by 20 pixels have few triangles, and through 519 pixels these are needles.
+NORMAL = VirtualNormal(focal=20.0, triangles=Triangles(share=2.0))
+ALONE = [
+    Silog(),
+    GradientMatching(),
+    Sky(),
+    Squared(),
+    Squared(mean="root"),
+    Squared(unit="metres"),
+]
+POOLED = [WeightedCrossEntropy(), NORMAL]
+
+every_loss = pytest.mark.parametrize("loss", ALONE + POOLED, ids=repr)
+
+
+def test_every_loss_is_tested_here():
+    assert {type(loss) for loss in ALONE + POOLED} == set(get_args(Loss))
 
 
 def batch() -> tuple[Tensor, Tensor, Sample]:
@@ -30,7 +57,8 @@ def batch() -> tuple[Tensor, Tensor, Sample]:
 
 
 def value(loss: Loss, depth: Tensor, logit: Tensor, sample: Sample) -> Tensor:
-    return loss(Prediction(depth, 0.8, logit), sample)
+    logits = torch.stack([logit * factor for factor in range(1, 7)], 1)
+    return loss(Prediction(depth, 0.8, logit, logits=logits, bins=BINS), sample)
 
 
 @every_loss
@@ -44,11 +72,27 @@ def test_unknown_pixels_touch_neither_value_nor_gradient(loss, rubbish):
     clean = [x.clone().requires_grad_(True) for x in (depth, logit)]
     expected, got = value(loss, *clean, sample), value(loss, *spoilt, dirty)
     assert_close(got, expected)
+    assert (expected > 0).all()
     gradients = torch.autograd.grad(got.sum(), spoilt, allow_unused=True)
     wanted = torch.autograd.grad(expected.sum(), clean, allow_unused=True)
     for gradient, right in zip(gradients, wanted, strict=True):
         assert_close(gradient, right)
         assert gradient is None or not gradient[unknown].any()
+
+
+@pytest.mark.parametrize("loss", [x for x in ALONE + POOLED if not isinstance(x, Sky)], ids=repr)
+@pytest.mark.parametrize("rubbish", [0.0, -1.0, torch.nan, torch.inf])
+def test_rubbish_that_is_called_valid_is_not(loss, rubbish):
+    depth, logit, sample = batch()
+    truth = sample.truth
+    wrong = truth.valid & (truth.depth < 0.8)
+    dirty = replace(truth, depth=truth.depth.masked_fill(wrong, rubbish))
+    without = replace(truth, valid=truth.valid & ~wrong)
+    inputs = [x.requires_grad_(True) for x in (depth, logit)]
+    got, wanted = (value(loss, *inputs, replace(sample, truth=x)) for x in (dirty, without))
+    assert_close(got, wanted)
+    for gradient in torch.autograd.grad(got.sum(), inputs, allow_unused=True):
+        assert gradient is None or gradient.isfinite().all()
 
 
 @every_loss
@@ -63,7 +107,26 @@ def test_an_image_with_nothing_known_has_loss_zero_and_gradient_zero(loss):
         assert gradient is None or not gradient.any()
 
 
-@every_loss
+@pytest.mark.parametrize("loss", POOLED, ids=repr)
+def test_a_loss_of_the_whole_batch_is_given_to_each_image(loss):
+    depth, logit, sample = batch()
+    result = value(loss, depth, logit, sample)
+    assert result.shape == (3,)
+    assert (result == result[0]).all()
+    backward = [x.flip(0) for x in (depth, logit)]
+    turned = replace(sample, key=replace(sample.key, camera=flipped(sample.key.camera)))
+    truth = sample.truth
+    turned = replace(
+        turned, truth=Truth(truth.depth.flip(0), truth.valid.flip(0), truth.sky.flip(0))
+    )
+    assert_close(value(loss, *backward, turned), result)
+
+
+def flipped(camera: Camera) -> Camera:
+    return Camera(camera.focal.flip(0), camera.centre.flip(0))
+
+
+@pytest.mark.parametrize("loss", ALONE, ids=repr)
 def test_a_batch_costs_what_its_images_cost_alone(loss):
     depth, logit, sample = batch()
     truth, camera = sample.truth, sample.key.camera
@@ -76,13 +139,15 @@ def test_a_batch_costs_what_its_images_cost_alone(loss):
     assert_close(value(loss, depth, logit, sample), torch.cat(alone))
 
 
-@pytest.mark.parametrize("loss", [Silog(), GradientMatching()], ids=repr)
+@pytest.mark.parametrize(
+    "loss", [Silog(), GradientMatching(), Squared(), Squared(unit="metres"), NORMAL], ids=repr
+)
 def test_the_truth_seen_through_its_camera_costs_nothing(loss):
     _, logit, sample = batch()
     focal = sample.key.focal_in_diagonals()
     canonical = sample.truth.depth * (0.8 / focal)[:, None, None]
     assert_close(value(loss, canonical, logit, sample), torch.zeros(3, dtype=torch.float64))
-    if isinstance(loss, Silog):
+    if isinstance(loss, Silog | Squared):
         assert (value(loss, sample.truth.depth, logit, sample) > 1e-5).all()
 
 
@@ -97,6 +162,12 @@ def test_the_sky_s_loss_needs_a_network_that_predicts_sky():
     depth, _, sample = batch()
     with pytest.raises(ValueError, match="predicts sky"):
         Sky()(Prediction(depth, 0.8), sample)
+
+
+def test_the_cross_entropy_needs_a_network_that_tells_bins_apart():
+    depth, _, sample = batch()
+    with pytest.raises(ValueError, match="classifies depth into bins"):
+        WeightedCrossEntropy()(Prediction(depth, None, bins=BINS), sample)
 
 
 def test_every_file_has_its_setting_in_the_union():

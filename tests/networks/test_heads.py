@@ -3,7 +3,8 @@ import torch
 from torch import nn
 from torch.testing import assert_close
 
-from flexdepth.networks.heads import LogDepth
+from flexdepth.geometry.depth import KITTI_BINS, NYU_BINS
+from flexdepth.networks.heads import BinnedDepth, LogDepth
 
 
 def head_of(constant: tuple[float, float]) -> nn.Module:
@@ -24,3 +25,25 @@ def test_the_first_channel_is_the_log_of_depth_over_what_is_typical(log_depth, e
 def test_an_untrained_head_says_about_the_typical_depth():
     depth, _ = LogDepth().build(32)(torch.rand(1, 32, 8, 8))
     assert (depth.log() - torch.tensor(3.0).log()).abs().max() < 1
+
+
+@pytest.mark.parametrize(
+    ("bins", "expected", "parameters"),
+    [(NYU_BINS, 1.30384, 345_750), (KITTI_BINS, 9.79796, 230_500)],
+)
+def test_bins_of_equal_score_mean_the_geometric_mean_of_the_range(bins, expected, parameters):
+    head = BinnedDepth(bins).build(256)
+    assert sum(p.numel() for p in head.parameters()) == parameters
+    nn.init.zeros_(head.conv.weight)
+    depth, logits = head(torch.randn(1, 256, 3, 4))
+    assert logits.shape == (1, bins.count, 3, 4)
+    assert_close(depth * bins.unit, torch.full((1, 3, 4), expected), atol=1e-5, rtol=1e-5)
+
+
+def test_a_pixel_s_bins_see_two_steps_around_it():
+    head = BinnedDepth().build(2)
+    features = torch.rand(1, 2, 9, 9, requires_grad=True)
+    _, logits = head(features)
+    (gradient,) = torch.autograd.grad(logits[0, :, 4, 4].sum(), features)
+    seen = {divmod(int(i), 9) for i in gradient.abs().sum((0, 1)).flatten().nonzero()}
+    assert seen == {(row, column) for row in (2, 4, 6) for column in (2, 4, 6)}

@@ -1,5 +1,8 @@
+import pytest
 import torch
 
+from flexdepth.data.recipes import KittiCrop, NyuCrop
+from flexdepth.data.transforms import Colour
 from flexdepth.training.batches import Batches, BatchSettings, loader, whole
 
 SETTINGS = BatchSettings(size=2, shapes=((32, 32), (64, 32)), seed=7)
@@ -24,6 +27,14 @@ def test_batches_take_all_shapes(pairs):
     batches = Batches(pairs, SETTINGS, 20)
     shapes = {tuple(batches[number].key.image.shape) for number in range(20)}
     assert shapes == {(2, 3, 32, 32), (2, 3, 32, 64)}
+
+
+@pytest.mark.parametrize("recipe", [NyuCrop(), KittiCrop()])
+def test_batches_take_the_recipes_of_chapter_3(pairs, recipe):
+    settings = BatchSettings(size=2, shapes=((32, 48),), crop=recipe, colour=Colour(0.0))
+    batch = Batches(pairs, settings, 1)[0]
+    assert batch.key.image.shape == (2, 3, 48, 32)
+    assert batch.truth.valid.any()
 
 
 def test_a_resumed_run_sees_what_an_uninterrupted_one_sees(pairs):

@@ -10,8 +10,10 @@ import tyro
 
 from flexdepth.experiments.run import trained_network
 from flexdepth.export import export
+from flexdepth.networks.compact import CompactNetwork
 from flexdepth.runtime.bundle import Description
 from flexdepth.runtime.depthmap import Space
+from flexdepth.runtime.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,11 @@ def run(arguments: Sequence[str]) -> int:
     """Export the checkpoint that `arguments` name."""
     settings = tyro.cli(Export, args=arguments, prog="flexdepth export")
     network = trained_network(settings.checkpoint)
+    if not isinstance(network, CompactNetwork):
+        raise InputError(
+            f"{settings.checkpoint}: a bundle is made of the network Compact, "
+            f"this is {type(network.settings).__name__}"
+        )
     description = Description(
         name=settings.name,
         version=settings.version,

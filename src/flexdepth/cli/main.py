@@ -19,7 +19,7 @@ from importlib.metadata import requires, version
 from pathlib import Path
 from types import MappingProxyType
 
-from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.errors import InputError, one_line
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "synth": Command("flexdepth.cli.synth", "Render scenes with exact depth to train on."),
         "train": Command("flexdepth.cli.train", "Train a network, or go on with a run."),
         "export": Command("flexdepth.cli.export", "Make a trained network a model bundle."),
+        "show": Command("flexdepth.cli.show", "List a network's parts and their parameters."),
     }
 )
 
@@ -142,7 +143,7 @@ def _page(commands: Mapping[str, Command]) -> str:
 
 
 def _complain(message: str, code: int) -> int:
-    sys.stderr.write(f"flexdepth: {message}\n")
+    sys.stderr.write(f"flexdepth: {one_line(message)}\n")
     return code
 
 

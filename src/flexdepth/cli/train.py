@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated
@@ -10,7 +10,7 @@ from typing import Annotated
 import tyro
 
 from flexdepth.experiments.catalogue import CATALOGUE
-from flexdepth.experiments.experiment import Experiment
+from flexdepth.experiments.experiment import Experiment, ImageNet
 from flexdepth.experiments.run import run_experiment
 from flexdepth.runtime.errors import InputError
 
@@ -29,6 +29,8 @@ class Train:
     """The run's folder."""
     processes: Annotated[int, tyro.conf.arg(metavar="N")] = 1
     """Processes that read and augment images while the network computes."""
+    encoder_weights: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """ImageNet weights of the encoder under timm's names, .safetensors or .pth."""
 
 
 def run(arguments: Sequence[str]) -> int:
@@ -47,8 +49,12 @@ def run(arguments: Sequence[str]) -> int:
         args=rest,
         prog=f"flexdepth train {name}",
         default=Train(CATALOGUE[name], Path("runs") / name),
+        config=(tyro.conf.AvoidSubcommands,),
     )
-    run_experiment(settings.experiment, settings.output_dir, settings.processes, _say)
+    experiment = settings.experiment
+    if settings.encoder_weights is not None:
+        experiment = replace(experiment, start=ImageNet(settings.encoder_weights))
+    run_experiment(experiment, settings.output_dir, settings.processes, _say)
     return 0
 
 

@@ -6,6 +6,8 @@ from pathlib import Path
 
 from flexdepth.codec import Codec
 from flexdepth.data.folder import Folder
+from flexdepth.data.recipes import Recipe
+from flexdepth.data.transforms import Crop
 from flexdepth.losses import GradientMatching, Loss, Silog, Sky
 from flexdepth.networks import Network
 from flexdepth.networks.compact import Compact
@@ -16,7 +18,13 @@ from flexdepth.training.objective import Term
 
 @dataclass(frozen=True)
 class ImageNet:
-    """Start with an encoder trained on ImageNet and a random decoder."""
+    """Start with an encoder trained on ImageNet and a random decoder.
+
+    Attributes:
+        file: The weights of timm's whole network; None takes an installed package's, or timm's.
+    """
+
+    file: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -33,8 +41,8 @@ class Trained:
 Start = ImageNet | Trained
 """Where the weights come from."""
 
-CODEC = Codec((Start, Loss, Coefficient))
-"""Experiments as plain values, and back."""
+CODEC = Codec((Start, Loss, Coefficient, Recipe, Network), {Recipe: Crop, Network: Compact})
+"""Experiments as plain values, and back; in an old checkpoint crop and network have no type."""
 
 
 def _terms() -> Mapping[str, Term]:

@@ -1,6 +1,7 @@
 """Running an experiment in a folder: start or resume, log, checkpoints."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 
@@ -8,8 +9,9 @@ import torch
 
 from flexdepth.experiments.experiment import CODEC, Experiment, ImageNet, Trained
 from flexdepth.networks import Network
+from flexdepth.networks.aga import AGANetwork
 from flexdepth.networks.compact import CompactNetwork
-from flexdepth.networks.encoders import load_imagenet
+from flexdepth.networks.pretrained import load_imagenet
 from flexdepth.runtime.errors import InputError
 from flexdepth.training.checkpoint import load, restore, save
 from flexdepth.training.loop import Run, Sources, train
@@ -19,15 +21,22 @@ LATEST, BEST = "latest.safetensors", "best.safetensors"
 """Files in a run's folder; the best has the lowest held-out error of the averaged weights."""
 
 
-def trained_network(path: Path) -> CompactNetwork:
+@dataclass(frozen=True)
+class _Stored:
+    """The settings that a checkpoint's network is built from."""
+
+    network: Network
+
+
+def trained_network(path: Path) -> CompactNetwork | AGANetwork:
     """Return the averaged network in a checkpoint, ready to predict.
 
     Raises:
         InputError: The file is no checkpoint, or of a network that this version does not know.
     """
     checkpoint = load(path)
-    settings = CODEC.restored(Network, checkpoint.settings.get("network"), str(path))
-    network = settings.build()
+    named = {"network": checkpoint.settings.get("network")}
+    network = CODEC.restored(_Stored, named, str(path)).network.build()
     restore(network, checkpoint.part("average"), str(path))
     return network.eval()
 
@@ -72,8 +81,8 @@ def _begun(experiment: Experiment, latest: Path) -> Run:
         run.resume(latest)
         return run
     match experiment.start:
-        case ImageNet():
-            load_imagenet(network.encoder)
+        case ImageNet(file):
+            load_imagenet(network.encoder, file)
         case Trained(checkpoint):
             restore(network, load(checkpoint).part("average"), str(checkpoint))
     return Run.started(network, experiment.loop)

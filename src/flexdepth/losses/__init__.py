@@ -1,10 +1,21 @@
 """Losses: each file holds a pure function, and the frozen setting that calls it."""
 
+from flexdepth.losses.cross_entropy import WeightedCrossEntropy
 from flexdepth.losses.gradient_matching import GradientMatching
 from flexdepth.losses.silog import Silog
 from flexdepth.losses.sky import Sky
+from flexdepth.losses.squared import Squared
+from flexdepth.losses.virtual_normal import VirtualNormal
 
-Loss = Silog | GradientMatching | Sky
+Loss = Silog | GradientMatching | Sky | WeightedCrossEntropy | VirtualNormal | Squared
 """The setting of any loss here: (prediction, sample) -> one number for each image."""
 
-__all__ = ["GradientMatching", "Loss", "Silog", "Sky"]
+__all__ = [
+    "GradientMatching",
+    "Loss",
+    "Silog",
+    "Sky",
+    "Squared",
+    "VirtualNormal",
+    "WeightedCrossEntropy",
+]

@@ -6,7 +6,7 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
-from flexdepth.sample import Prediction, Sample, canonical_truth, measured
+from flexdepth.sample import Prediction, Sample, true_depth
 
 
 def gradient_matching(
@@ -62,6 +62,5 @@ class GradientMatching:
 
     def __call__(self, prediction: Prediction, sample: Sample) -> Float[Tensor, " b"]:
         """Return the loss of each image in the batch."""
-        truth = measured(sample, "GradientMatching")
-        depth = canonical_truth(sample, truth, prediction.canonical_focal)
-        return gradient_matching(prediction.depth, depth, truth.valid, self.scales)
+        truth, valid = true_depth(prediction, sample, "GradientMatching")
+        return gradient_matching(prediction.depth, truth, valid, self.scales)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from jaxtyping import Bool, Float
 from torch import Tensor
 
-from flexdepth.sample import Prediction, Sample, canonical_truth, measured
+from flexdepth.sample import Prediction, Sample, true_depth
 
 
 def silog(
@@ -47,6 +47,5 @@ class Silog:
 
     def __call__(self, prediction: Prediction, sample: Sample) -> Float[Tensor, " b"]:
         """Return the loss of each image in the batch."""
-        truth = measured(sample, "Silog")
-        depth = canonical_truth(sample, truth, prediction.canonical_focal)
-        return silog(prediction.depth, depth, truth.valid, self.variance_focus)
+        truth, valid = true_depth(prediction, sample, "Silog")
+        return silog(prediction.depth, truth, valid, self.variance_focus)

@@ -1,8 +1,9 @@
 """Networks: each file holds a frozen settings class with `build()`, and its module."""
 
+from flexdepth.networks.aga import AGA
 from flexdepth.networks.compact import Compact
 
-Network = Compact
-"""The settings of any network here; a union as soon as there are two."""
+Network = Compact | AGA
+"""The settings of any network here."""
 
-__all__ = ["Compact", "Network"]
+__all__ = ["AGA", "Compact", "Network"]

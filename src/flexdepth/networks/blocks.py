@@ -1,7 +1,7 @@
 """Blocks that more than one network uses."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, cast
 
 import torch
 from jaxtyping import Float
@@ -139,14 +139,18 @@ class PyramidPooling(nn.Module):
 
 
 def resized(
-    features: Float[Tensor, "batch channels _ _"], rows: int, columns: int
+    features: Float[Tensor, "batch channels _ _"],
+    rows: int | torch.SymInt,
+    columns: int | torch.SymInt,
 ) -> Float[Tensor, "batch channels rows columns"]:
     """Return the features at another size, bilinear, with corners on corners.
 
     This is the resize of the published decoders: the middles of the corner pixels stay where they
     are, and the same size comes out as it went in.
     """
-    return interpolate(features, (rows, columns), mode="bilinear", align_corners=True)
+    # torch annotates the size as int, and takes the symbols of torch.export as well.
+    size = cast(tuple[int, int], (rows, columns))
+    return interpolate(features, size, mode="bilinear", align_corners=True)
 
 
 def projection(inputs: int, width: int, norm: BatchNorm) -> nn.Sequential:

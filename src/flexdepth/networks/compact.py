@@ -6,15 +6,11 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn.functional import interpolate
 
+from flexdepth.networks.attention import ChannelAttention
 from flexdepth.networks.blocks import BatchNorm, DilatedResidual, projection, start_as_xavier
 from flexdepth.networks.encoders import Encoder
 from flexdepth.networks.heads import LogDepth
-from flexdepth.networks.merge import (
-    ChannelAttention,
-    Coefficient,
-    Merge,
-    SpatialPlusChannelAttention,
-)
+from flexdepth.networks.merge import Coefficient, Merge, SpatialPlusChannelAttention
 from flexdepth.sample import Prediction
 
 
@@ -42,7 +38,7 @@ class Compact:
         default_factory=lambda: SpatialPlusChannelAttention(ratio=4, channel=ChannelAttention(8))
     )
     block: DilatedResidual = field(
-        default_factory=lambda: DilatedResidual(dilation=1, norm=BatchNorm())
+        default_factory=lambda: DilatedResidual(1, BatchNorm(), "replicate")
     )
     norm: BatchNorm = field(default_factory=BatchNorm)
     head: LogDepth = field(default_factory=LogDepth)
@@ -100,7 +96,7 @@ class _Level(nn.Module):
         super().__init__()
         self.lateral = projection(lateral, width, settings.norm)
         self.narrow = projection(inputs, width, settings.norm)
-        self.merge = Merge(settings.coefficient, width)
+        self.merge = Merge(settings.coefficient, width, width)
         self.block = settings.block.build(width, width)
 
     def forward(

