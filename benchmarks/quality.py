@@ -4,8 +4,9 @@
 
 Protocol: pixels with 1 mm < truth < cap are scored (10 m indoors, 80 m on the road). Disparity
 is fitted to 1/truth per image by ordinary least squares and clipped so that depth <= cap. AbsRel
-and delta1 are taken per image, then averaged over the set. docs/samples.md says where the
-pictures come from.
+and delta1 are taken per image, then averaged over the set. Beside them stands how large the
+world comes out in metres when the focal length is known, without any fit: the geometric mean
+over the images of median(depth / truth). docs/samples.md says where the pictures come from.
 """
 
 import argparse
@@ -38,13 +39,17 @@ GROUND_CAP = 40.0
 
 @dataclass(frozen=True)
 class Result:
-    """The mean scores of one set by predictor; `unscored` frames have no depth in range."""
+    """The mean scores of one set by predictor; `unscored` frames have no depth in range.
+
+    `enlarged` is how many times too large the model's metres are, None for a model without.
+    """
 
     frames: int
     unscored: int
     bar: Score
     passed: bool
     scores: dict[str, Score]
+    enlarged: float | None
 
 
 Predict = Callable[[Path], DepthMap]
@@ -76,18 +81,29 @@ def fit(
     return aligned(prediction, Alignment.LEAST_SQUARES_DISPARITY, truth, valid, cap)
 
 
-def score_frame(frame: Frame, sample_set: SampleSet, predict: Predict) -> dict[str, Score]:
+def score_frame(frame: Frame, sample_set: SampleSet, prediction: DepthMap) -> dict[str, Score]:
     """Return the scores of the model and of the blind; none where no truth is in range."""
     truth = read_truth(frame.truth, sample_set.steps_per_metre)
     valid = scored_pixels(truth, sample_set.cap)
     if not valid.any():
         return {}
     scores = {}
-    maps = {MODEL: predict(frame.image)} | blind(truth.shape, sample_set.camera)
-    for name, prediction in maps.items():
-        depth = fit(prediction, truth, valid, sample_set.cap)
+    maps = {MODEL: prediction} | blind(truth.shape, sample_set.camera)
+    for name, depth_map in maps.items():
+        depth = fit(depth_map, truth, valid, sample_set.cap)
         scores[name] = Score(abs_rel(depth, truth, valid), delta1(depth, truth, valid))
     return scores
+
+
+def enlarged(frame: Frame, sample_set: SampleSet, prediction: DepthMap) -> float | None:
+    """Return median(depth / truth) with the set's focal length; None where there are no metres."""
+    truth = read_truth(frame.truth, sample_set.steps_per_metre)
+    valid = scored_pixels(truth, sample_set.cap) & prediction.valid
+    camera = prediction.intrinsics
+    if prediction.space not in (Space.METRIC, Space.SCALE) or camera is None or not valid.any():
+        return None
+    longer = sample_set.camera.focal_x / camera.focal_x
+    return float(np.median(prediction.depth[valid] / truth[valid])) * longer
 
 
 def mean(scores: list[Score]) -> Score:
@@ -100,7 +116,13 @@ def mean(scores: list[Score]) -> Score:
 
 def score_set(sample_set: SampleSet, samples: list[Frame], predict: Predict) -> Result:
     """Score the model and the blind predictors on every frame of a set."""
-    scored = [s for frame in samples if (s := score_frame(frame, sample_set, predict))]
+    scored, sizes = [], []
+    for frame in samples:
+        prediction = predict(frame.image)
+        scored.append(score_frame(frame, sample_set, prediction))
+        sizes.append(enlarged(frame, sample_set, prediction))
+    scored = [scores for scores in scored if scores]
+    sizes = [size for size in sizes if size is not None]
     if not scored:
         raise InputError(f"{sample_set.name}: no frame has measured depth below the cap")
     means = {name: mean([scores[name] for scores in scored]) for name in scored[0]}
@@ -110,6 +132,7 @@ def score_set(sample_set: SampleSet, samples: list[Frame], predict: Predict) -> 
         bar=sample_set.bar,
         passed=means[MODEL].reaches(sample_set.bar),
         scores=means,
+        enlarged=float(np.exp(np.log(sizes).mean())) if sizes else None,
     )
 
 
@@ -131,6 +154,7 @@ def table(results: Mapping[str, Result]) -> str:
         *([name, *(str(r.scores[name]) for r in of)] for name in next(iter(of)).scores),
         ["bar", *(str(result.bar) for result in of)],
         ["", *("pass" if result.passed else "MISS" for result in of)],
+        ["metres x", *(f"{r.enlarged:.2f}" if r.enlarged else "-" for r in of)],
     ]
     return "\n".join("".join(f"{cell:<15}" for cell in row).rstrip() for row in rows)
 

@@ -9,7 +9,7 @@ from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.images import Photo
 from flexdepth.runtime.lens import FieldOfView, FocalLength
 from flexdepth.runtime.model import load_model
-from flexdepth.runtime.predictor import Predictor, mirrored_too
+from flexdepth.runtime.predictor import Predictor, mirrored_too, photo_of
 
 
 @pytest.fixture
@@ -177,3 +177,19 @@ def test_a_mirror_changes_nothing_for_a_network_that_knows_no_left(predictor):
     pixels = np.random.default_rng(2).integers(0, 250, (96, 128, 3), np.uint8)
     both = Predictor(predictor.model, look=mirrored_too).predict(pixels)
     np.testing.assert_allclose(both.values, predictor.predict(pixels).values, rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("picture", "complaint"),
+    [
+        (Image.new("P", (4, 3)), "Pillow picture of mode P"),
+        ([[1, 2], [3]], "this is no array"),
+    ],
+)
+def test_what_would_be_read_wrongly_is_refused(picture, complaint):
+    with pytest.raises(InputError, match=complaint):
+        photo_of(picture)
+
+
+def test_a_pillow_picture_in_rgb_is_a_picture():
+    assert photo_of(Image.new("RGB", (4, 3), (7, 8, 9))).pixels[2, 3].tolist() == [7, 8, 9]

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from PIL import Image
 
 from flexdepth.runtime.depthmap import DepthMap, FocalSource, Space
 from flexdepth.runtime.errors import InputError
@@ -143,7 +144,15 @@ def photo_of(picture: Photo | str | Path | ArrayLike) -> Photo:
         return picture
     if isinstance(picture, str | Path):
         return read_photo(Path(picture))
-    pixels = np.asarray(picture)
+    if isinstance(picture, Image.Image) and picture.mode not in ("RGB", "L"):
+        raise InputError(
+            f"a Pillow picture of mode {picture.mode} has numbers that are no colours; "
+            'give its file, or picture.convert("RGB")'
+        )
+    try:
+        pixels = np.asarray(picture)
+    except ValueError as error:
+        raise InputError(f"a picture is an array of uint8, this is no array: {error}") from error
     if pixels.ndim == 2:
         pixels = np.repeat(pixels[..., None], 3, axis=2)
     if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3 or not pixels.size:
