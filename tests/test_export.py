@@ -45,6 +45,12 @@ def test_weights_are_stored_in_half_precision(network, bundle):
     assert bundle[0].stat().st_size < 0.65 * single
 
 
+def test_a_bundle_tells_nothing_of_the_machine_that_wrote_it(bundle):
+    content = bundle[0].read_bytes()
+    assert b"site-packages" not in content
+    assert b".py" not in content
+
+
 def test_parity_is_that_of_the_written_file(network, bundle):
     path, parity = bundle
     assert compared(network, path) == parity

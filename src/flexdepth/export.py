@@ -123,7 +123,17 @@ def _graph(network: CompactNetwork) -> onnx.ModelProto:
     )
     if program is None:
         raise RuntimeError("torch.onnx.export gave no program")
-    return program.model_proto
+    return _without_traces(program.model_proto)
+
+
+def _without_traces(model: onnx.ModelProto) -> onnx.ModelProto:
+    """Return the model without what the exporter notes of the code and the folders it ran in."""
+    graph = model.graph
+    for part in (*graph.node, *graph.value_info, *graph.input, *graph.output, *graph.initializer):
+        del part.metadata_props[:]
+        part.doc_string = ""
+    del graph.metadata_props[:]
+    return model
 
 
 def _with_half_weights(model: onnx.ModelProto) -> onnx.ModelProto:
