@@ -81,9 +81,10 @@ def fit(
     return aligned(prediction, Alignment.LEAST_SQUARES_DISPARITY, truth, valid, cap)
 
 
-def score_frame(frame: Frame, sample_set: SampleSet, prediction: DepthMap) -> dict[str, Score]:
+def score_frame(
+    truth: NDArray[np.float64], sample_set: SampleSet, prediction: DepthMap
+) -> dict[str, Score]:
     """Return the scores of the model and of the blind; none where no truth is in range."""
-    truth = read_truth(frame.truth, sample_set.steps_per_metre)
     valid = scored_pixels(truth, sample_set.cap)
     if not valid.any():
         return {}
@@ -95,9 +96,10 @@ def score_frame(frame: Frame, sample_set: SampleSet, prediction: DepthMap) -> di
     return scores
 
 
-def enlarged(frame: Frame, sample_set: SampleSet, prediction: DepthMap) -> float | None:
+def enlarged(
+    truth: NDArray[np.float64], sample_set: SampleSet, prediction: DepthMap
+) -> float | None:
     """Return median(depth / truth) with the set's focal length; None where there are no metres."""
-    truth = read_truth(frame.truth, sample_set.steps_per_metre)
     valid = scored_pixels(truth, sample_set.cap) & prediction.valid
     camera = prediction.intrinsics
     if prediction.space not in (Space.METRIC, Space.SCALE) or camera is None or not valid.any():
@@ -118,11 +120,12 @@ def score_set(sample_set: SampleSet, samples: list[Frame], predict: Predict) -> 
     """Score the model and the blind predictors on every frame of a set."""
     scored, sizes = [], []
     for frame in samples:
+        truth = read_truth(frame.truth, sample_set.steps_per_metre)
         prediction = predict(frame.image)
-        scored.append(score_frame(frame, sample_set, prediction))
-        sizes.append(enlarged(frame, sample_set, prediction))
-    scored = [scores for scores in scored if scores]
-    sizes = [size for size in sizes if size is not None]
+        if scores := score_frame(truth, sample_set, prediction):
+            scored.append(scores)
+        if (size := enlarged(truth, sample_set, prediction)) is not None:
+            sizes.append(size)
     if not scored:
         raise InputError(f"{sample_set.name}: no frame has measured depth below the cap")
     means = {name: mean([scores[name] for scores in scored]) for name in scored[0]}

@@ -171,14 +171,11 @@ def test_real_truth_is_read_in_metres(quality, samples, name, nearest, farthest)
     assert (measured.min(), measured.max()) == pytest.approx((nearest, farthest), abs=0.05)
 
 
-def test_metres_are_too_large_by_the_factor_that_the_focal_length_leaves(quality, tmp_path):
+def test_metres_are_too_large_by_the_factor_that_the_focal_length_leaves(quality):
     sample_set = quality.SETS[0]
     truth = np.full((480, 640), 2.0)
-    path = tmp_path / "truth.png"
-    Image.fromarray((truth * sample_set.steps_per_metre).astype(np.uint16)).save(path)
-    frame = quality.Frame(image=tmp_path / "photo.png", truth=path)
     half = Intrinsics.centred(640, 480, sample_set.camera.focal_x / 2, FocalSource.ASSUMED)
     seen = DepthMap(np.full((480, 640), 3.0, np.float32), Space.SCALE, half)
-    assert quality.enlarged(frame, sample_set, seen) == pytest.approx(3.0)
+    assert quality.enlarged(truth, sample_set, seen) == pytest.approx(3.0)
     blind = DepthMap(np.ones((480, 640), np.float32), Space.AFFINE_DISPARITY, half)
-    assert quality.enlarged(frame, sample_set, blind) is None
+    assert quality.enlarged(truth, sample_set, blind) is None

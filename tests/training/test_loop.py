@@ -73,7 +73,7 @@ def test_a_run_killed_and_resumed_ends_with_the_same_bits(pairs, tmp_path):
     with pytest.raises(KilledError):
         trained(pairs, tmp_path, Run.started(network(), SETTINGS), keep=save_and_die)
     resumed = Run.started(OneConvolution(), SETTINGS)
-    resumed.resume(tmp_path / "latest.safetensors")
+    resumed.resume(load(tmp_path / "latest.safetensors"), "latest.safetensors")
     assert resumed.iteration == 2
     trained(pairs, tmp_path, resumed)
     for part in ("network", "average"):

@@ -6,9 +6,10 @@
 Every depth file says its unit and its camera; pairs share their NAME.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ from flexdepth.runtime.depthmap import DepthMap, Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.files import SUFFIXES, read_depth
 from flexdepth.runtime.images import is_picture_name, read_photo
+
+Key = TypeVar("Key", str, tuple[Path, str])
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,13 +56,7 @@ class Folder:
         """
         images = _by_stem(self.root / "image", is_picture_name)
         depths = _by_stem(self.root / "depth", lambda p: p.suffix.lower() in SUFFIXES.values())
-        alone = sorted(images.keys() ^ depths.keys())
-        if alone:
-            where = images.get(alone[0]) or depths[alone[0]]
-            raise InputError(
-                f"{where}: has no partner; every image/NAME needs a depth/NAME and the other way "
-                f"round ({len(alone)} files have none)"
-            )
+        check_partners(images, depths, "image/NAME needs a depth/NAME and the other way round")
         return FolderPairs(tuple((images[stem], depths[stem]) for stem in sorted(images)))
 
 
@@ -93,6 +90,23 @@ class FolderPairs:
                 f"its image {image.shape[1]}x{image.shape[0]}; they must have one size"
             )
         return Pair(image_path.stem, image, truth)
+
+
+def check_partners(images: Mapping[Key, Path], depths: Mapping[Key, Path], rule: str) -> None:
+    """Refuse images without depth and depth without an image.
+
+    Args:
+        images: By what a pair has in common.
+        depths: Likewise.
+        rule: What every file needs, for the message: "image/NAME needs a depth/NAME".
+
+    Raises:
+        InputError: A file stands alone; the first is named.
+    """
+    alone = sorted(images.keys() ^ depths.keys())
+    if alone:
+        where = images.get(alone[0]) or depths[alone[0]]
+        raise InputError(f"{where}: has no partner; every {rule} ({len(alone)} files have none)")
 
 
 def _by_stem(folder: Path, wanted: Callable[[Path], bool]) -> dict[str, Path]:

@@ -25,7 +25,7 @@ import numpy as np
 from scipy.io import loadmat
 from scipy.io.matlab import MatReadError
 
-from flexdepth.data.folder import Pair
+from flexdepth.data.folder import Pair, check_partners
 from flexdepth.data.read import (
     Line,
     Measured,
@@ -203,13 +203,7 @@ def _found(folder: Path) -> list[Measured]:
         {(path.parent, _frame(path)): path for path in folder.rglob(pattern)}
         for pattern in ("rgb_*.jpg", "sync_depth_*.png")
     )
-    alone = sorted(images.keys() ^ depths.keys())
-    if alone:
-        where = images.get(alone[0]) or depths[alone[0]]
-        raise InputError(
-            f"{where}: has no partner; every frame needs {_NAMES} in one folder "
-            f"({len(alone)} files have none)"
-        )
+    check_partners(images, depths, f"frame needs {_NAMES} in one folder")
     return [_measured(folder, images[frame], depths[frame]) for frame in sorted(images)]
 
 

@@ -5,8 +5,8 @@ does not bring the world nearer, it makes the focal length longer in image diago
 changes depth, and says so.
 """
 
-from dataclasses import dataclass
-from math import exp, log, sqrt
+from dataclasses import dataclass, replace
+from math import exp, log
 
 import cv2
 import numpy as np
@@ -97,9 +97,7 @@ def cropped(pair: Pair, box: tuple[int, int, int, int]) -> Pair:
     left, top, width, height = box
     rows, columns = slice(top, top + height), slice(left, left + width)
     camera = _camera(pair)
-    shifted = Intrinsics(
-        camera.focal_x, camera.focal_y, camera.centre_x - left, camera.centre_y - top, camera.source
-    )
+    shifted = replace(camera, centre_x=camera.centre_x - left, centre_y=camera.centre_y - top)
     return _remade(pair, pair.image[rows, columns], pair.truth.values[rows, columns], shifted)
 
 
@@ -122,9 +120,7 @@ def mirrored(pair: Pair) -> Pair:
     """Return the pair with left and right exchanged."""
     camera = _camera(pair)
     width = pair.truth.values.shape[1]
-    turned = Intrinsics(
-        camera.focal_x, camera.focal_y, width - camera.centre_x, camera.centre_y, camera.source
-    )
+    turned = replace(camera, centre_x=width - camera.centre_x)
     return _remade(pair, pair.image[:, ::-1], pair.truth.values[:, ::-1], turned)
 
 
@@ -134,9 +130,7 @@ def padded(pair: Pair, left: int, top: int) -> Pair:
     image = np.pad(pair.image, (*grown, (0, 0)), constant_values=_GREY)
     depth = np.pad(pair.truth.values, grown, constant_values=np.nan)
     camera = _camera(pair)
-    shifted = Intrinsics(
-        camera.focal_x, camera.focal_y, camera.centre_x + left, camera.centre_y + top, camera.source
-    )
+    shifted = replace(camera, centre_x=camera.centre_x + left, centre_y=camera.centre_y + top)
     return _remade(pair, image, depth, shifted)
 
 
@@ -165,13 +159,6 @@ def as_sample(pair: Pair) -> Sample:
             torch.from_numpy(np.ascontiguousarray(pair.truth.sky)),
         ),
     )
-
-
-def fitted_size(width: int, height: int, area: int, multiple: int) -> tuple[int, int]:
-    """Return the size of about `area` pixels with the same shape, in multiples of `multiple`."""
-    scale = sqrt(area / (width * height))
-    across, down = (max(1, round(side * scale / multiple)) * multiple for side in (width, height))
-    return across, down
 
 
 def _camera(pair: Pair) -> Intrinsics:

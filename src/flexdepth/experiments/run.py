@@ -75,10 +75,11 @@ def _begun(experiment: Experiment, latest: Path) -> Run:
     torch.manual_seed(experiment.seed)
     network = experiment.network.build().to(memory_format=torch.channels_last)
     if latest.exists():
-        if CODEC.restored(Experiment, load(latest).settings, str(latest)) != experiment:
+        found = load(latest)
+        if CODEC.restored(Experiment, found.settings, str(latest)) != experiment:
             raise InputError(f"{latest}: belongs to a run of other settings; take another folder")
         run = Run.started(network, experiment.loop)
-        run.resume(latest)
+        run.resume(found, str(latest))
         return run
     match experiment.start:
         case ImageNet(file):

@@ -3,7 +3,6 @@
 import copy
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import torch
@@ -14,7 +13,6 @@ from flexdepth.training.averaging import follow
 from flexdepth.training.batches import Batches, BatchSettings, Pairs, loader
 from flexdepth.training.checkpoint import (
     Checkpoint,
-    load,
     optimiser_tensors,
     restore,
     restore_optimiser,
@@ -58,11 +56,10 @@ class Run:
         """Return a run at iteration 0."""
         return cls(network, copy.deepcopy(network), settings.optimiser.build(network), 0)
 
-    def resume(self, path: Path) -> None:
-        """Go on from a checkpoint."""
-        found = load(path)
-        restore(self.network, found.part("network"), str(path))
-        restore(self.average, found.part("average"), str(path))
+    def resume(self, found: Checkpoint, where: str) -> None:
+        """Go on from a checkpoint; `where` is the file it was read from, for messages."""
+        restore(self.network, found.part("network"), where)
+        restore(self.average, found.part("average"), where)
         restore_optimiser(self.optimiser, found.part("optimiser"))
         self.iteration = found.iteration
 
