@@ -354,6 +354,72 @@ def drape(rng: Generator) -> Parts:
     return [Part(curtain(rng, width, height, rng.uniform(0.02, 0.07)), material(rng, "fabric"))]
 
 
+def heap(rng: Generator) -> Parts:
+    """Things piled on the floor: boxes, bags, bottles, cloth, boards that lean."""
+    width, depth, height = rng.uniform((0.5, 0.4, 0.2), (1.6, 1.2, 0.9))
+    parts = clutter(rng, width, depth, int(rng.integers(5, 25)), height)
+    for _ in range(int(rng.integers(0, 4))):
+        size = rng.uniform(0.15, 0.6)
+        bag = blob(rng, (size, 0.8 * size, size), 0.12).placed(
+            (rng.uniform(-0.5, 0.5) * width, 0.3 * size, rng.uniform(-0.5, 0.5) * depth)
+        )
+        parts.append(Part(bag, material(rng, "fabric")))
+    for _ in range(int(rng.integers(0, 4))):
+        foot, top = rng.uniform(-0.5, 0.5, 2) * width
+        reach = rng.uniform(0.6, 2.0)
+        board = tube((foot, 0, -0.2), (top, reach, 0.2), (rng.uniform(0.01, 0.05),) * 2)
+        parts.append(Part(board, material(rng, str(rng.choice(["wood", "metal"])))))
+    return parts
+
+
+def rack(rng: Generator) -> Parts:
+    """An open rack on posts, crowded with tins, boxes and tools."""
+    width, height, depth = rng.uniform((0.6, 1.2, 0.3), (2.0, 2.2, 0.6))
+    levels = int(rng.integers(3, 6))
+    pitch = height / levels
+    boards = [box((0, (k + 0.6) * pitch, 0), (width, 0.02, depth)) for k in range(levels)]
+    frame = joined([*boards, _legs(width, depth, height, rng.uniform(0.02, 0.05))])
+    parts = [Part(frame, material(rng, str(rng.choice(["metal", "wood"]))))]
+    for k in range(levels):
+        things = clutter(rng, width, depth, int(rng.integers(2, 12)), 0.8 * pitch)
+        parts += placed(things, (0, (k + 0.6) * pitch + 0.01, 0))
+    return parts
+
+
+def boiler(rng: Generator) -> Parts:
+    """A tank or a washing machine with pipes that rise from it."""
+    height, radius = rng.uniform((0.8, 0.2), (1.8, 0.4))
+    look = material(rng, str(rng.choice(["paint", "metal"])))
+    if rng.random() < 0.5:
+        body = revolved([(0, height), (0.8 * radius, height), (radius, 0.9 * height), (radius, 0)])
+    else:
+        body = box((0, height / 2, 0), (2 * radius, height, 2 * radius))
+    bore = rng.uniform(0.012, 0.05)
+    pipes = [
+        tube((x, height - 0.1, 0.1), (x, rng.uniform(1.9, 2.4), 0.1), (bore, bore))
+        for x in rng.uniform(-0.8, 0.8, int(rng.integers(1, 5))) * radius
+    ]
+    return [Part(body, look), Part(joined(pipes), material(rng, "metal"))]
+
+
+def washing(rng: Generator) -> Parts:
+    """Clothes on a line or a rail."""
+    width, height = rng.uniform((0.6, 1.3), (2.0, 1.9))
+    parts = [
+        Part(
+            tube((-width / 2, height, 0), (width / 2, height, 0), (0.012, 0.012)),
+            material(rng, "metal"),
+        )
+    ]
+    x = -width / 2
+    while x < width / 2 - 0.2:
+        wide, long = rng.uniform((0.2, 0.4), (0.6, 1.1))
+        cloth = curtain(rng, wide, long, rng.uniform(0.01, 0.05))
+        parts.append(Part(cloth.placed((x, height - long, 0)), material(rng, "fabric")))
+        x += wide + rng.exponential(0.08)
+    return parts
+
+
 def toy_house(rng: Generator) -> Parts:
     """A wedge or a gabled block: something with slanted sides."""
     size = rng.uniform(0.2, 0.9, 3)
@@ -369,6 +435,7 @@ def toy_house(rng: Generator) -> Parts:
 
 FREE_STANDING: tuple[Callable[[Generator], Parts], ...] = (
     table, table, chair, chair, chair, sofa, lamp, plant, stack, ball, person, toy_house, cabinet,
+    heap, washing,
 )  # fmt: skip
 """What may stand anywhere in a room; twice what stands there often."""
 
@@ -377,4 +444,9 @@ AGAINST_WALLS: tuple[Callable[[Generator], Parts], ...] = (
 )  # fmt: skip
 """What stands with its back (its +z side) to a wall."""
 
-__all__ = ["AGAINST_WALLS", "FREE_STANDING", "Material", "Parts", "person", "placed"]
+STORED: tuple[Callable[[Generator], Parts], ...] = (
+    heap, heap, heap, rack, rack, stack, stack, boiler, washing, table, cabinet, ball, chair, sofa,
+)  # fmt: skip
+"""What stands in cellars, sheds and workshops, along the walls as well as anywhere."""
+
+__all__ = ["AGAINST_WALLS", "FREE_STANDING", "STORED", "Material", "Parts", "person", "placed"]

@@ -21,15 +21,18 @@ from flexdepth.runtime.opening import open_input
 from flexdepth.synth.lens import photograph
 from flexdepth.synth.patterns import Library
 from flexdepth.synth.render import Rendering, Stage, render, worth_taking
-from flexdepth.synth.rooms import room
+from flexdepth.synth.rooms import cellar, room
 from flexdepth.synth.streets import street
 from flexdepth.synth.viewpoints import viewpoint
 
-VERSION = 1
+VERSION = 2
 """Raised when the same (seed, index) no longer gives the same image."""
 
 VIEWS = 4
 """Images of one scene, in a row."""
+
+CELLAR_SHARE = 0.25
+"""Share of rooms that are cellars, sheds or workshops."""
 
 _VARIANTS = 16
 _ATTEMPTS = 40
@@ -69,7 +72,9 @@ def _library(seed: int) -> Library:
 def _stage(settings: SynthSettings, scene: int, retry: int) -> Stage:
     """Return a scene ready for rays."""
     rng = np.random.default_rng([settings.seed, 1, scene, retry])
-    make = street if rng.random() < settings.street_share else room
+    place = rng.random()
+    inside = cellar if rng.random() < CELLAR_SHARE else room
+    make = street if place < settings.street_share else inside
     return Stage.built(rng, make(rng), _library(settings.seed))
 
 

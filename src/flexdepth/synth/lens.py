@@ -11,7 +11,8 @@ def photograph(rng: Generator, light: NDArray[np.float32]) -> NDArray[np.uint8]:
     height, width = light.shape[:2]
     grey = light.mean(-1)
     middle = float(np.exp(np.log(grey + 1e-4).mean()))
-    exposed = light * (rng.uniform(0.1, 0.3) / middle) * np.exp(rng.normal(0, 0.06, 3))
+    brightness = float(np.exp(rng.uniform(np.log(0.035), np.log(0.32))))
+    exposed = light * (brightness / middle) * np.exp(rng.normal(0, 0.06, 3))
     shoulder = rng.uniform(0.1, 0.6)
     compressed = exposed * (1 + exposed * shoulder / 4) / (1 + exposed * shoulder)
     row, column = np.mgrid[:height, :width]

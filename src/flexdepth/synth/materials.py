@@ -74,6 +74,7 @@ _KINDS: dict[str, tuple[tuple[str, ...], float, tuple[float, float]]] = {
     "metal": (("plain", "mottled"), 0.3, (0.3, 1.0)),
     "facade": (("windows", "windows", "bricks", "mottled", "plain", "tiles"), 0.6, (2.0, 7.0)),
     "brickwork": (("bricks", "mottled", "plain", "tiles"), 0.3, (0.8, 2.5)),
+    "bare": (("mottled", "mottled", "bricks", "bricks", "speckled", "wood"), 0.5, (0.8, 2.5)),
 }
 
 _NATURE: dict[str, tuple[tuple[str, ...], tuple[float, float, float], tuple[float, float]]] = {
