@@ -2,7 +2,7 @@
 
 PYTHON ?= python3
 PHOTO ?= examples/coffee.png
-TRAINING_IMAGES ?= 4624
+TRAINING_IMAGES ?= 10000
 SAMPLES ?= $(or $(FLEXDEPTH_SAMPLES),../shared/data)
 
 BIN := .venv/bin

@@ -3,6 +3,9 @@
 The bundle's format is read by `flexdepth.runtime.bundle`. Weights are stored in half precision
 and computed with in single precision: half the file, the same speed. Before a bundle appears, its
 depth is compared with the network's over a grid of sizes, before and after the rounding.
+
+Every weight keeps its name, and normalisations stay by themselves (the runtime folds them into
+the convolutions when it loads the model): training can start from a bundle.
 """
 
 import json
@@ -14,6 +17,7 @@ import onnx
 import torch
 from jaxtyping import Float
 from onnx import TensorProto, helper, numpy_helper
+from onnxscript import optimizer
 from torch import Tensor, nn
 from torch.nn.functional import interpolate
 
@@ -28,6 +32,10 @@ GRAPH_TOLERANCE = 1e-3
 
 ROUNDED_TOLERANCE = 0.02
 """The same after it."""
+
+_NETWORK, _HALF = "network.", ".half"
+"""What the names of a network's weights begin with in a graph; what those of rounded ones end with.
+"""
 
 SIZES = ((384, 288), (608, 192), (96, 128), (32, 32))
 """Width and height at which bundle and network are compared."""
@@ -120,9 +128,13 @@ def _graph(network: CompactNetwork) -> onnx.ModelProto:
         dynamic_shapes=({**free, 0: torch.export.Dim("batch")},),
         dynamo=True,
         verbose=False,
+        optimize=False,
     )
     if program is None:
         raise RuntimeError("torch.onnx.export gave no program")
+    optimizer.inline(program.model)
+    optimizer.fold_constants(program.model)
+    optimizer.remove_unused_nodes(program.model)
     return _without_traces(program.model_proto)
 
 
@@ -137,16 +149,16 @@ def _without_traces(model: onnx.ModelProto) -> onnx.ModelProto:
 
 
 def _with_half_weights(model: onnx.ModelProto) -> onnx.ModelProto:
-    """Return the model with float32 weights stored as float16 behind a cast.
+    """Return the model with the weights of convolutions stored as float16 behind a cast.
 
     The runtime folds the casts away when it loads the model.
     """
     kept, casts = [], []
     for weight in model.graph.initializer:
-        if weight.data_type != TensorProto.FLOAT or np.prod(weight.dims) < 64:
+        if weight.data_type != TensorProto.FLOAT or len(weight.dims) < 2:
             kept.append(weight)
             continue
-        name = f"{weight.name}.half"
+        name = weight.name + _HALF
         kept.append(numpy_helper.from_array(numpy_helper.to_array(weight).astype(np.float16), name))
         casts.append(helper.make_node("Cast", [name], [weight.name], to=TensorProto.FLOAT))
     nodes = [*casts, *model.graph.node]
@@ -154,3 +166,21 @@ def _with_half_weights(model: onnx.ModelProto) -> onnx.ModelProto:
     model.graph.initializer.extend(kept)
     model.graph.node.extend(nodes)
     return model
+
+
+def bundled_weights(path: Path | None) -> dict[str, Tensor]:
+    """Return the weights in a bundle by their names in the network that it was made from.
+
+    Args:
+        path: An .onnx file; None takes the model that comes with flexdepth.
+
+    Raises:
+        InputError: The file is no model bundle.
+    """
+    bundle = load_model(path, Provider.CPU, 1).path
+    weights = {}
+    for stored in onnx.load(bundle).graph.initializer:
+        if stored.name.startswith(_NETWORK):
+            name = stored.name.removeprefix(_NETWORK).removesuffix(_HALF)
+            weights[name] = torch.from_numpy(numpy_helper.to_array(stored).astype(np.float32))
+    return weights

@@ -80,6 +80,8 @@ class Prediction:
         attention: Maps of spatial attention in [0, 1], coarsest first, each at its own size.
         logits: Of the probability of each of `bins`; `depth` is decoded from them.
         bins: What a network that classifies depth tells apart.
+        beyond: Log odds that the depth lies beyond each of `bins`; `depth` is decoded from them.
+        centres: Of the bins of depth that the network chose for each image, nearest first.
     """
 
     depth: Float[Tensor, "*batch height width"]
@@ -88,6 +90,8 @@ class Prediction:
     attention: tuple[Float[Tensor, "*batch 1 _ _"], ...] = ()
     logits: Float[Tensor, "*batch bins height width"] | None = None
     bins: DepthBins | None = None
+    beyond: Float[Tensor, "*batch bins height width"] | None = None
+    centres: Float[Tensor, "*batch _"] | None = None
 
 
 def measured(sample: Sample, wanted_by: str) -> Truth:

@@ -34,6 +34,8 @@ def test_a_model_of_ones_own_predicts(folder, tmp_path, capsys):
     ("arguments", "complaint"),
     [
         (["train", "compacct"], "no experiment 'compacct'; did you mean 'compact'?"),
+        (["train", "compact", "--lop.iterations", "3"], "did you mean --loop.iterations INT?"),
+        (["train", "compact", "--start", "best"], "--start: wanted bundled, imagenet, a .onnx"),
         (["train"], "name an experiment: flexdepth train compact"),
         (["train", "compact", "--data.root", "nowhere"], "nowhere/image: no such folder"),
         (["export", "nothing.safetensors", "-o", "x.onnx"], "nothing.safetensors: no such check"),

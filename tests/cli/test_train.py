@@ -1,11 +1,23 @@
 from pathlib import Path
 
+import pytest
+
 from flexdepth.cli import train
-from flexdepth.experiments.experiment import ImageNet
+from flexdepth.experiments.experiment import Bundled, ImageNet, Trained
 
 
-def test_encoder_weights_are_where_the_run_starts(monkeypatch):
+@pytest.mark.parametrize(
+    ("arguments", "start"),
+    [
+        (["--encoder-weights", "timm.safetensors"], ImageNet(Path("timm.safetensors"))),
+        (["--start", "imagenet"], ImageNet()),
+        (["--start", "bundled"], Bundled()),
+        (["--start", "own.onnx"], Bundled(Path("own.onnx"))),
+        (["--start", "runs/mine/best.safetensors"], Trained(Path("runs/mine/best.safetensors"))),
+    ],
+)
+def test_a_run_starts_from_the_weights_that_are_named(arguments, start, monkeypatch):
     started = []
     monkeypatch.setattr(train, "run_experiment", lambda experiment, *_: started.append(experiment))
-    assert train.run(["compact", "--encoder-weights", "timm.safetensors"]) == 0
-    assert started[0].start == ImageNet(Path("timm.safetensors"))
+    assert train.run(["compact", *arguments]) == 0
+    assert started[0].start == start

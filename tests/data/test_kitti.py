@@ -1,12 +1,12 @@
 import re
 import shutil
+from dataclasses import replace
 
 import cv2
 import numpy as np
 import pytest
 
-from flexdepth.data.kitti import Kitti, calibrated_camera
-from flexdepth.data.read import Split
+from flexdepth.data.kitti import EIGEN_TRAIN, Kitti, calibrated_camera
 from flexdepth.runtime.errors import InputError
 
 DATE, DRIVE = "2011_09_26", "2011_09_26_drive_0001_sync"
@@ -26,8 +26,7 @@ P_rect_03: 7.0e+02 0.000000e+00 6.0e+02 -3.395242e+02 \
 
 @pytest.fixture
 def setting(tmp_path):
-    raw, depth = tmp_path / "raw", tmp_path / "depth"
-    return Kitti(raw, depth, tmp_path / "train.txt", tmp_path / "test.txt")
+    return Kitti(tmp_path, tmp_path / "raw", tmp_path / "depth", tmp_path / "train.txt")
 
 
 def write_calibration(setting, date=DATE, width=12, height=4):
@@ -72,20 +71,27 @@ def test_both_kinds_of_list_name_the_same_frames(setting):
     for number in (5, 60):
         write_frame(setting, number)
     write_frame(setting, 60, camera="image_03", part="val")
-    setting.train_list.write_text(f"{bts(60)}\n{bts(5)}\n")
-    setting.test_list.write_text(
+    left = [f"{DRIVE}_image_02_0000000060", f"{DRIVE}_image_02_0000000005"]
+    setting.frames.write_text(f"{bts(60)}\n{bts(5)}\n")
+    assert names(setting.load()) == left
+    setting.frames.write_text(
         f"{DATE}/{DRIVE} 60 l\n{DATE}/{DRIVE} 0000000005 l\n{DATE}/{DRIVE} 60 r\n"
     )
-    left = [f"{DRIVE}_image_02_0000000060", f"{DRIVE}_image_02_0000000005"]
-    assert names(setting.load(Split.TRAIN)) == left
-    assert names(setting.load(Split.TEST)) == [*left, f"{DRIVE}_image_03_0000000060"]
+    assert names(setting.load()) == [*left, f"{DRIVE}_image_03_0000000060"]
+
+
+def test_everything_may_lie_in_one_folder(setting):
+    write_calibration(setting)
+    write_frame(setting, 5)
+    (setting.root / EIGEN_TRAIN).write_text(bts(5))
+    assert names(Kitti(setting.root).load()) == [f"{DRIVE}_image_02_0000000005"]
 
 
 def test_depth_is_in_steps_of_a_256th_of_a_metre(setting):
     write_calibration(setting)
     write_frame(setting, 5, code=640)
-    setting.train_list.write_text(bts(5))
-    truth = setting.load(Split.TRAIN)[0].truth
+    setting.frames.write_text(bts(5))
+    truth = setting.load()[0].truth
     assert np.argwhere(truth.valid).tolist() == [[2, 3]]
     assert truth.values[2, 3] == 2.5
 
@@ -94,8 +100,8 @@ def test_each_camera_is_that_of_the_calibration_moved_by_half_a_pixel(setting):
     write_calibration(setting)
     for camera in ("image_02", "image_03"):
         write_frame(setting, 5, camera=camera)
-    setting.train_list.write_text(f"{DATE}/{DRIVE} 5 l\n{DATE}/{DRIVE} 5 r\n")
-    left, right = (pair.truth.intrinsics for pair in setting.load(Split.TRAIN))
+    setting.frames.write_text(f"{DATE}/{DRIVE} 5 l\n{DATE}/{DRIVE} 5 r\n")
+    left, right = (pair.truth.intrinsics for pair in setting.load())
     assert (left.focal_x, left.focal_y) == (721.5377, 721.5376)
     assert (left.centre_x, left.centre_y) == pytest.approx((610.0593, 173.354))
     assert (right.focal_x, right.focal_y) == (700.0, 710.0)
@@ -108,8 +114,8 @@ def test_jpg_images_and_depth_without_train_and_val_are_found(setting):
     image = image_of(setting, 5)
     cv2.imwrite(str(image.with_suffix(".jpg")), cv2.imread(str(image)))
     image.unlink()
-    setting.train_list.write_text(bts(5))
-    assert setting.load(Split.TRAIN)[0].image.shape == (4, 12, 3)
+    setting.frames.write_text(bts(5))
+    assert setting.load()[0].image.shape == (4, 12, 3)
 
 
 def test_frames_that_the_set_has_no_depth_for_are_left_out(setting):
@@ -117,21 +123,18 @@ def test_frames_that_the_set_has_no_depth_for_are_left_out(setting):
     for number in (1, 5):
         write_frame(setting, number)
     depth_of(setting, 1).unlink()
-    setting.train_list.write_text(f"{DATE}/{DRIVE} 1 l\n{DATE}/{DRIVE} 5 l\n")
-    setting.test_list.write_text(
-        f"{DATE}/{DRIVE}/image_02/data/0000000001.png None 721.5377\n{bts(5)}\n"
-    )
-    for split in Split:
-        assert names(setting.load(split)) == [f"{DRIVE}_image_02_0000000005"]
+    for line in (f"{DATE}/{DRIVE} 1 l", f"{DATE}/{DRIVE}/image_02/data/0000000001.png None 721.5"):
+        setting.frames.write_text(f"{line}\n{bts(5)}\n")
+        assert names(setting.load()) == [f"{DRIVE}_image_02_0000000005"]
 
 
 def test_a_list_whose_frames_all_lack_depth_is_refused(setting):
     write_calibration(setting)
     write_frame(setting, 1)
     depth_of(setting, 1).unlink()
-    setting.train_list.write_text(f"{DATE}/{DRIVE} 1 l\n")
+    setting.frames.write_text(f"{DATE}/{DRIVE} 1 l\n")
     with pytest.raises(InputError, match=r"train\.txt: .* no annotated depth for any"):
-        setting.load(Split.TRAIN)
+        setting.load()
 
 
 def without_image(setting):
@@ -140,6 +143,10 @@ def without_image(setting):
 
 def without_depth(setting):
     depth_of(setting, 5).unlink()
+
+
+def without_list(setting):
+    setting.frames.unlink()
 
 
 def without_drive(setting):
@@ -153,6 +160,7 @@ def without_calibration(setting):
 @pytest.mark.parametrize(
     ("lose", "complaint"),
     [
+        (without_list, r"train\.txt: no such list of frames; wanted .* with .*raw/DATE.*depth/tr"),
         (without_image, r"train\.txt, line 1: looked for .*0000000005\.png or \.jpg"),
         (without_depth, r"train\.txt, line 1: looked for .*groundtruth.*0000000005\.png"),
         (without_drive, r"line 1: looked for 2011_09_26_drive_0001_sync.* in .*train.*val"),
@@ -163,10 +171,10 @@ def test_a_missing_file_is_named(setting, lose, complaint):
     write_calibration(setting)
     write_frame(setting, 5)
     write_frame(setting, 6)
+    setting.frames.write_text(bts(5))
     lose(setting)
-    setting.train_list.write_text(bts(5))
     with pytest.raises(InputError, match=complaint):
-        setting.load(Split.TRAIN)
+        setting.load()
 
 
 @pytest.mark.parametrize(
@@ -184,9 +192,9 @@ def test_a_line_that_pairs_nothing_is_named(setting, line, complaint):
     write_calibration(setting)
     for number in (5, 6):
         write_frame(setting, number)
-    setting.train_list.write_text(f"{bts(6)}\n{line}\n")
+    setting.frames.write_text(f"{bts(6)}\n{line}\n")
     with pytest.raises(InputError, match=rf"train\.txt, line 2: .*{complaint}"):
-        setting.load(Split.TRAIN)
+        setting.load()
 
 
 @pytest.mark.parametrize(
@@ -207,9 +215,9 @@ def test_a_damaged_calibration_is_named_with_what_it_should_hold(setting, damage
 def test_an_image_of_another_size_than_calibrated_is_named(setting):
     write_calibration(setting, width=13)
     write_frame(setting, 5)
-    setting.train_list.write_text(bts(5))
+    setting.frames.write_text(bts(5))
     with pytest.raises(InputError, match=r"0000000005\.png: wanted 13x4.*got 12x4"):
-        setting.load(Split.TRAIN)[0]
+        setting.load()[0]
 
 
 def test_the_published_lists_agree_on_the_652_test_frames_with_depth(setting, samples):
@@ -225,7 +233,7 @@ def test_the_published_lists_agree_on_the_652_test_frames_with_depth(setting, sa
                 path.touch()
         write_calibration(setting, image.split("/")[0])
     found = [
-        set(names(Kitti(setting.raw, setting.depth, chosen, path).load(Split.TEST)))
+        set(names(replace(setting, frames=path).load()))
         for path in (
             chosen,
             lists / "marigold/kitti_depth/eigen_test_files_with_gt.txt",
@@ -247,8 +255,8 @@ def test_real_frames_hold_a_street_in_metres(setting, samples):
             path = target(setting, number)
             path.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(real / source / f"{number:010d}.png", path)
-    setting.train_list.write_text("\n".join(bts(number) for number in (5, 50, 100)))
-    pairs = setting.load(Split.TRAIN)
+    setting.frames.write_text("\n".join(bts(number) for number in (5, 50, 100)))
+    pairs = setting.load()
     assert [int(re.findall(r"\d+", name)[-1]) for name in names(pairs)] == [5, 50, 100]
     for number in range(3):
         truth = pairs[number].truth

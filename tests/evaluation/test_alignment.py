@@ -6,12 +6,9 @@ from hypothesis import strategies as st
 from flexdepth.evaluation.alignment import (
     NEAREST,
     Alignment,
-    Line,
     aligned,
     check_alignment,
-    least_squares,
-    median,
-    scale,
+    weakest,
 )
 from flexdepth.evaluation.metrics import abs_rel, delta1
 from flexdepth.runtime.depthmap import DepthMap, Space
@@ -31,49 +28,6 @@ def fit(values, space, alignment, truth, valid=None):
     return aligned(depth_map(values, space), alignment, truth, valid, CAP)
 
 
-def test_the_scale_is_the_nearest_multiple():
-    # (1·2 + 2·5 + 3·4) / (1 + 4 + 9)
-    assert scale(np.array([1.0, 2.0, 3.0]), np.array([2.0, 5.0, 4.0])) == Line(24 / 14)
-
-
-def test_the_median_is_the_ratio_of_medians_and_not_the_median_ratio():
-    # Medians 2 and 6, though the ratios are 9, 2 and 2.
-    assert median(np.array([1.0, 2.0, 3.0]), np.array([9.0, 4.0, 6.0])) == Line(3.0)
-
-
-def test_the_line_is_the_one_fitted_by_hand():
-    # Means 2 and 3; Σ dx dy = 2, Σ dx² = 2.
-    assert least_squares(np.array([1.0, 2.0, 3.0]), np.array([1.0, 5.0, 3.0])) == Line(1.0, 1.0)
-
-
-@given(seeds, st.floats(-5, 5), st.floats(-5, 5))
-def test_least_squares_finds_the_planted_line(seed, factor, offset):
-    x = np.random.default_rng(seed).uniform(0, 1, 50)
-    line = least_squares(x, factor * x + offset)
-    assert line.factor == pytest.approx(factor, abs=1e-11)
-    assert line.offset == pytest.approx(offset, abs=1e-11)
-
-
-@given(seeds)
-def test_least_squares_agrees_with_an_independent_solver(seed):
-    x, y = np.random.default_rng(seed).uniform(0, 1, (2, 40))
-    factor, offset = np.linalg.lstsq(np.stack([x, np.ones(40)], axis=1), y, rcond=None)[0]
-    line = least_squares(x, y)
-    assert (line.factor, line.offset) == pytest.approx((factor, offset), abs=1e-11)
-
-
-@given(seeds, st.floats(-1, 1), st.floats(-1, 1))
-def test_no_other_line_is_nearer(seed, turn, lift):
-    x, y = np.random.default_rng(seed).uniform(0, 1, (2, 40))
-    line = least_squares(x, y)
-    other = Line(line.factor + turn, line.offset + lift)
-    assert np.square(line(x) - y).sum() <= np.square(other(x) - y).sum() + 1e-12
-
-
-def test_a_constant_fits_as_the_mean():
-    assert least_squares(np.full(3, 0.1), np.array([1.0, 2.0, 6.0])) == Line(0.0, 3.0)
-
-
 ENOUGH = {
     Space.METRIC: set(Alignment),
     Space.SCALE: set(Alignment) - {Alignment.NONE},
@@ -90,6 +44,15 @@ def test_an_alignment_must_undo_what_the_prediction_leaves_open(space, alignment
     else:
         with pytest.raises(InputError, match="leaves open; choose one of"):
             check_alignment(space, alignment)
+
+
+def test_the_weakest_that_undoes_it_is_the_first_of_the_list():
+    assert {space: weakest(space) for space in Space} == {
+        Space.METRIC: Alignment.NONE,
+        Space.SCALE: Alignment.MEDIAN,
+        Space.AFFINE_DEPTH: Alignment.LEAST_SQUARES,
+        Space.AFFINE_DISPARITY: Alignment.LEAST_SQUARES_DISPARITY,
+    }
 
 
 def test_a_weak_alignment_is_refused_before_anything_is_fitted():
@@ -119,7 +82,8 @@ def test_every_allowed_alignment_brings_a_perfect_prediction_back_to_the_truth(s
 def test_the_score_of_a_prediction_up_to_scale_does_not_know_its_scale(seed, factor):
     truth, shape = np.random.default_rng(seed).uniform(1, 9, (2, 6, 6))
     valid = np.ones(truth.shape, dtype=bool)
-    for alignment in ENOUGH[Space.SCALE]:
+    # Those two are not run to their end, as published, so rounding shows.
+    for alignment in ENOUGH[Space.SCALE] - {Alignment.DESCENT, Alignment.SCALE_WEISZFELD}:
         first, second = (
             fit(values, Space.SCALE, alignment, truth) for values in (shape, factor * shape)
         )

@@ -3,17 +3,20 @@ from dataclasses import replace
 import pytest
 import torch
 from safetensors.torch import save_file
+from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
 from flexdepth.data.folder import Folder
+from flexdepth.experiments import run
 from flexdepth.experiments.catalogue import CATALOGUE
 from flexdepth.experiments.experiment import CODEC, Experiment, ImageNet, Trained
 from flexdepth.experiments.run import BEST, LATEST, run_experiment, trained_network
+from flexdepth.networks import AGA
 from flexdepth.networks.compact import Compact
 from flexdepth.networks.pretrained import imagenet_weights
 from flexdepth.runtime.errors import InputError
 from flexdepth.synth.generate import SynthSettings, write_images
 from flexdepth.training.batches import BatchSettings
-from flexdepth.training.checkpoint import load
+from flexdepth.training.checkpoint import load, source
 from flexdepth.training.loop import LoopSettings
 
 
@@ -51,7 +54,7 @@ def test_every_experiment_survives_a_file(name):
 
 def test_a_run_leaves_its_latest_and_its_best_weights(finished):
     folder, lines = finished
-    assert {path.name for path in folder.iterdir()} == {LATEST, BEST, "log.jsonl"}
+    assert {path.name for path in folder.iterdir()} == {LATEST, BEST, "log.jsonl", "tensorboard"}
     assert sum("held-out AbsRel" in line for line in lines) == 2
 
 
@@ -72,9 +75,12 @@ def test_a_run_starts_from_imagenet_and_moves_away_from_it(finished):
 def test_the_same_settings_go_on_and_others_are_refused(finished, experiment):
     lines = []
     run_experiment(experiment, finished[0], 0, lines.append)
-    assert lines == ["resuming at iteration 2"]
-    with pytest.raises(InputError, match="belongs to a run of other settings"):
-        run_experiment(replace(experiment, seed=1), finished[0], 0, lines.append)
+    assert [line.partition(" with ")[0] for line in lines] == ["resuming at iteration 2 of 2"]
+    longer = replace(experiment, loop=replace(experiment.loop, iterations=3))
+    with pytest.raises(InputError, match=r"other settings.*\(loop\.iterations: 2 there, 3 here\)"):
+        run_experiment(longer, finished[0], 0, lines.append)
+    with pytest.raises(InputError, match=r"\(network: Compact there, AGA here\)"):
+        run_experiment(replace(experiment, network=AGA()), finished[0], 0, lines.append)
 
 
 def test_the_same_seed_gives_the_same_weights(finished, experiment, tmp_path):
@@ -98,3 +104,60 @@ def test_encoder_weights_of_another_network_stop_a_run_before_it_begins(experime
     with pytest.raises(InputError, match=r"not the weights of tf_efficientnet_lite0.*stem\.weight"):
         run_experiment(named, tmp_path / "run", 0, print)
     assert not (tmp_path / "run").exists()
+
+
+def test_a_checkpoint_of_another_network_stops_a_run_before_it_begins(
+    finished, experiment, tmp_path
+):
+    wider = replace(
+        experiment,
+        network=replace(experiment.network, widths=(32, 32, 32, 16)),
+        start=Trained(finished[0] / BEST),
+    )
+    with pytest.raises(InputError) as stopped:
+        run_experiment(wider, tmp_path / "run", 0, print)
+    assert "best.safetensors: holds the weights of another network; missing []" in str(
+        stopped.value
+    )
+    assert "of another shape ['head.conv.weight', 'levels.3." in str(stopped.value)
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("part", ["data", "held_out"])
+def test_a_data_root_that_is_missing_stops_a_run_before_it_begins(experiment, tmp_path, part):
+    nowhere = replace(experiment, **{part: Folder(tmp_path / "nowhere")})
+    with pytest.raises(InputError, match=r"nowhere.image: no such folder; a data folder holds"):
+        run_experiment(nowhere, tmp_path / "run", 0, print)
+    assert not (tmp_path / "run").exists()
+
+
+def test_out_of_memory_is_told_in_one_line(experiment, tmp_path, monkeypatch):
+    def greedy(*_):
+        torch.empty(10**15)
+
+    monkeypatch.setattr(run, "pictures", greedy)
+    with pytest.raises(InputError, match="out of memory with batches of 2 images of up to 64x64"):
+        run_experiment(experiment, tmp_path / "run", 0, lambda _line: None)
+
+
+def test_a_folder_that_cannot_be_made_stops_a_run_before_it_begins(experiment, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="is no folder; choose another --output-dir"):
+        run_experiment(experiment, tmp_path / "file" / "run", 0, lambda _line: None)
+
+
+def test_a_run_says_what_it_has_and_where_it_computes(finished):
+    assert finished[1][0].startswith("starting at iteration 0 of 2 with 4 images, 4 held out, on 1")
+
+
+def test_a_run_leaves_curves_and_pictures(finished):
+    events = EventAccumulator(str(finished[0] / "tensorboard"))
+    events.Reload()
+    terms = {"term/total", "term/silog", "term/gradient", "term/sky"}
+    assert set(events.Tags()["scalars"]) == {"rate", "held_out_abs_rel", *terms}
+    assert events.Tags()["images"] == ["000000", "000001", "000002"]
+    assert [event.step for event in events.Images("000002")] == [1, 2]
+
+
+def test_a_checkpoint_of_a_run_names_the_code(finished):
+    assert load(finished[0] / LATEST).source == source()

@@ -13,8 +13,11 @@ from flexdepth import losses
 from flexdepth.geometry.camera import Camera
 from flexdepth.geometry.depth import DepthBins
 from flexdepth.losses import (
+    BerHu,
+    BinCentres,
     GradientMatching,
     Loss,
+    Ordinal,
     Silog,
     Sky,
     Squared,
@@ -34,8 +37,10 @@ ALONE = [
     Squared(),
     Squared(mean="root"),
     Squared(unit="metres"),
+    Ordinal(),
+    BinCentres(),
 ]
-POOLED = [WeightedCrossEntropy(), NORMAL]
+POOLED = [WeightedCrossEntropy(), NORMAL, BerHu()]
 
 every_loss = pytest.mark.parametrize("loss", ALONE + POOLED, ids=repr)
 
@@ -58,7 +63,12 @@ def batch() -> tuple[Tensor, Tensor, Sample]:
 
 def value(loss: Loss, depth: Tensor, logit: Tensor, sample: Sample) -> Tensor:
     logits = torch.stack([logit * factor for factor in range(1, 7)], 1)
-    return loss(Prediction(depth, 0.8, logit, logits=logits, bins=BINS), sample)
+    centres = torch.linspace(0.3, 2.0, 5, dtype=depth.dtype).repeat(len(depth), 1)
+    centres.requires_grad_(True)
+    said = Prediction(
+        *(depth, 0.8, logit), logits=logits, bins=BINS, beyond=-logits, centres=centres
+    )
+    return loss(said, sample)
 
 
 @every_loss
@@ -140,7 +150,9 @@ def test_a_batch_costs_what_its_images_cost_alone(loss):
 
 
 @pytest.mark.parametrize(
-    "loss", [Silog(), GradientMatching(), Squared(), Squared(unit="metres"), NORMAL], ids=repr
+    "loss",
+    [Silog(), GradientMatching(), Squared(), Squared(unit="metres"), NORMAL, BerHu()],
+    ids=repr,
 )
 def test_the_truth_seen_through_its_camera_costs_nothing(loss):
     _, logit, sample = batch()
@@ -168,6 +180,18 @@ def test_the_cross_entropy_needs_a_network_that_tells_bins_apart():
     depth, _, sample = batch()
     with pytest.raises(ValueError, match="classifies depth into bins"):
         WeightedCrossEntropy()(Prediction(depth, None, bins=BINS), sample)
+
+
+def test_ordinal_regression_needs_a_network_that_says_what_lies_beyond():
+    depth, _, sample = batch()
+    with pytest.raises(ValueError, match="lies beyond each bin"):
+        Ordinal()(Prediction(depth, None, bins=BINS), sample)
+
+
+def test_the_loss_of_bins_needs_a_network_that_chooses_them():
+    depth, _, sample = batch()
+    with pytest.raises(ValueError, match="chooses its bins"):
+        BinCentres()(Prediction(depth, None), sample)
 
 
 def test_every_file_has_its_setting_in_the_union():

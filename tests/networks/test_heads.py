@@ -47,3 +47,13 @@ def test_a_pixel_s_bins_see_two_steps_around_it():
     (gradient,) = torch.autograd.grad(logits[0, :, 4, 4].sum(), features)
     seen = {divmod(int(i), 9) for i in gradient.abs().sum((0, 1)).flatten().nonzero()}
     assert seen == {(row, column) for row in (2, 4, 6) for column in (2, 4, 6)}
+
+
+def test_the_prediction_says_what_the_logits_are_of():
+    head, features = BinnedDepth(KITTI_BINS).build(4), torch.randn(2, 4, 5, 6)
+    prediction = head.predicted(features)
+    depth, logits = head(features)
+    assert prediction.bins == KITTI_BINS
+    assert prediction.beyond is None
+    assert_close(prediction.depth, depth)
+    assert_close(prediction.logits, logits)

@@ -1,6 +1,6 @@
 import pytest
 
-from flexdepth.networks import AGA, Compact
+from flexdepth.networks import AGA, EDRB, PCA, Compact
 from flexdepth.networks.aga import BASE
 from flexdepth.networks.encoders import Encoder
 from flexdepth.networks.merge import VARIANTS
@@ -31,12 +31,30 @@ def test_a_convolution_is_counted_once_for_each_weight_and_place(base):
     assert base["encoder.conv1"].parameters == 64 * 7 * 7 * 3
 
 
-@pytest.mark.parametrize("network", [BASE, Compact()], ids=["base", "compact"])
+@pytest.mark.parametrize("network", [BASE, Compact(), EDRB()], ids=["base", "compact", "edrb"])
 def test_parts_add_up_to_the_whole(network):
     whole, *rest = parts(network, 128, 96)
     for what in ("parameters", "multiplications"):
         ends = [p for p in rest if not any(q.name.startswith(f"{p.name}.") for q in rest)]
         assert sum(getattr(p, what) for p in ends) == getattr(whole, what)
+
+
+def test_most_of_the_work_of_edrb_is_done_on_its_largest_maps():
+    found = {part.name: part for part in parts(EDRB(), 512, 384)}
+    first, second, last = (found[f"rows.encoder.{n}"].multiplications for n in (0, 1, 4))
+    # Nine 3 x 3 convolutions and a last one of 256 channels at a half of the size, after a
+    # first one with the stride; a 1 x 1 convolution of three channels at the whole.
+    assert first == 10 * 9 * 256**2 * (192 * 256) + 3 * 256 * (384 * 512)
+    assert second > 10 * last
+
+
+def test_components_cost_each_of_their_pixels_once():
+    network = PCA()
+    whole, *rest = parts(network, 128, 96)
+    # What is left is the sum of 64 components of 48 x 64 pixels.
+    ends = [p for p in rest if not any(q.name.startswith(f"{p.name}.") for q in rest)]
+    assert whole.multiplications - sum(p.multiplications for p in ends) == 64 * 48 * 64
+    assert whole.parameters == sum(p.parameters for p in ends)
 
 
 def test_looking_everywhere_costs_every_pixel_times_every_pixel():

@@ -1,9 +1,14 @@
+from dataclasses import replace
+
 import pytest
 import torch
+from torch.testing import assert_close
 
+from flexdepth.data.folder import Folder
 from flexdepth.data.recipes import KittiCrop, NyuCrop
 from flexdepth.data.transforms import Colour
-from flexdepth.training.batches import Batches, BatchSettings, loader, whole
+from flexdepth.runtime.errors import InputError
+from flexdepth.training.batches import Batches, BatchSettings, divided, loader
 
 SETTINGS = BatchSettings(size=2, shapes=((32, 32), (64, 32)), seed=7)
 
@@ -13,6 +18,17 @@ def test_a_batch_depends_on_its_number_alone(pairs):
     assert first.name == again.name
     assert torch.equal(first.key.image, again.key.image)
     assert not torch.equal(first.key.camera.focal, Batches(pairs, SETTINGS, 9)[5].key.camera.focal)
+
+
+def test_the_batches_of_a_seed_stay_what_they_are(pairs):
+    """Recorded before batches could be divided: a run that began then goes on with them."""
+    first, second = Batches(pairs, SETTINGS, 9)[0], Batches(pairs, SETTINGS, 9)[1]
+    assert (first.name, second.name) == (("2", "0"), ("4", "1"))
+    assert first.key.image.shape[-2:] == (32, 64)
+    centres = [[19.692308, 13.714286], [30.666666, 17.92]]
+    assert_close(first.key.camera.centre, torch.tensor(centres))
+    assert_close(second.key.camera.focal, torch.tensor([[59.733334, 64.0], [64.0, 66.370369]]))
+    assert first.truth.depth.sum().item() == pytest.approx(22576.762, rel=1e-6)
 
 
 def test_every_pair_is_seen_once_before_any_is_seen_again(pairs):
@@ -52,10 +68,30 @@ def test_other_processes_make_the_same_batches(pairs):
     assert all(torch.equal(a, b) for a, b in zip(own, others, strict=True))
 
 
-def test_whole_pairs_are_neither_cropped_nor_recoloured(pairs):
-    batch = whole(pairs, [1, 3])
-    assert batch.name == ("1", "3")
-    assert torch.equal(
-        (batch.key.image[1] * 255).round().byte(),
-        torch.from_numpy(pairs[3].image.transpose(2, 0, 1).copy()),
-    )
+def test_the_parts_of_a_batch_are_the_batch(pairs):
+    whole = Batches(pairs, replace(SETTINGS, size=4), 9)
+    parts = [replace(whole, part=part, parts=2)[5] for part in (0, 1)]
+    divided_batch = list(divided(whole[5], 2))
+    for each in (parts, divided_batch):
+        assert each[0].name + each[1].name == whole[5].name
+        assert [part.draw for part in each] == [5, 5]
+        for field in (lambda b: b.key.image, lambda b: b.key.camera.focal, lambda b: b.truth.depth):
+            assert torch.equal(torch.cat([field(part) for part in each]), field(whole[5]))
+
+
+def test_a_file_that_another_process_cannot_read_stops_the_run_in_one_line(tmp_path):
+    for folder, content in (("image", b"GIF89a"), ("depth", b"PK")):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / ("a.png" if folder == "image" else "a.npz")).write_bytes(content)
+    batches = Batches(Folder(tmp_path).load(), SETTINGS, 3)
+    with pytest.raises(InputError, match=r"a\.png: ") as stopped:
+        list(loader(batches, 0, 1))
+    assert "\n" not in str(stopped.value)
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"size": 0}, {"shapes": ()}, {"shapes": ((32, 0),)}, {"seed": -1}]
+)
+def test_batches_of_nothing_are_refused(wrong):
+    with pytest.raises(InputError, match="a batch needs a size >= 1"):
+        BatchSettings(**wrong)

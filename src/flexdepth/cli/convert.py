@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 
 import tyro
 
+from flexdepth.cli.arguments import told_in_one_line
 from flexdepth.runtime.depthmap import Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.files import SUFFIXES, read_depth, read_origin, read_stated, write_depth
@@ -48,7 +49,8 @@ class Convert:
 
 def run(arguments: Sequence[str]) -> int:
     """Convert the files that `arguments` name; the good ones are done beside broken ones."""
-    settings = tyro.cli(Convert, args=arguments, prog="flexdepth convert")
+    with told_in_one_line("flexdepth convert"):
+        settings = tyro.cli(Convert, args=arguments, prog="flexdepth convert")
     made, failures = [], []
     for source, target in targets(settings).items():
         try:

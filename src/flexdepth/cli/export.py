@@ -8,6 +8,7 @@ from typing import Annotated
 
 import tyro
 
+from flexdepth.cli.arguments import told_in_one_line
 from flexdepth.experiments.run import trained_network
 from flexdepth.export import export
 from flexdepth.networks.compact import CompactNetwork
@@ -41,7 +42,8 @@ class Export:
 
 def run(arguments: Sequence[str]) -> int:
     """Export the checkpoint that `arguments` name."""
-    settings = tyro.cli(Export, args=arguments, prog="flexdepth export")
+    with told_in_one_line("flexdepth export"):
+        settings = tyro.cli(Export, args=arguments, prog="flexdepth export")
     network = trained_network(settings.checkpoint)
     if not isinstance(network, CompactNetwork):
         raise InputError(

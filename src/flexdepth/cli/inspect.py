@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from flexdepth.cli.arguments import told_in_one_line
 from flexdepth.runtime.depthmap import DepthMap, FocalSource
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.files import read_depth, read_meaning
@@ -42,7 +43,8 @@ class _Console(Console):
 
 def run(arguments: Sequence[str]) -> int:
     """Inspect the files that `arguments` name; the good ones are shown beside broken ones."""
-    settings = tyro.cli(Inspect, args=arguments, prog="flexdepth inspect")
+    with told_in_one_line("flexdepth inspect"):
+        settings = tyro.cli(Inspect, args=arguments, prog="flexdepth inspect")
     if not settings.files:
         raise InputError("name at least one depth file: flexdepth inspect depth/room.npz")
     found, failures = [], []

@@ -40,6 +40,10 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "synth": Command("flexdepth.cli.synth", "Render scenes with exact depth to train on."),
         "train": Command("flexdepth.cli.train", "Train a network, or go on with a run."),
         "export": Command("flexdepth.cli.export", "Make a trained network a model bundle."),
+        "evaluate": Command(
+            "flexdepth.cli.evaluate", "Score a model or predictions by a named protocol."
+        ),
+        "data": Command("flexdepth.cli.data", "Check a data set, or make it a plain folder."),
         "show": Command("flexdepth.cli.show", "List a network's parts and their parameters."),
     }
 )

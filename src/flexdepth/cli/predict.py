@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 
 import tyro
 
+from flexdepth.cli.arguments import told_in_one_line
 from flexdepth.cli.progress import with_progress
 from flexdepth.cli.summary import Summary
 from flexdepth.runtime.errors import InputError
@@ -91,7 +92,8 @@ class Predict:
 
 def run(arguments: Sequence[str]) -> int:
     """Predict what `arguments` name; one input that fails leaves the others alone."""
-    settings = tyro.cli(Predict, args=arguments, prog="flexdepth predict")
+    with told_in_one_line("flexdepth predict"):
+        settings = tyro.cli(Predict, args=arguments, prog="flexdepth predict")
     if not settings.inputs:
         raise InputError("name at least one photo, folder or video: flexdepth predict photo.jpg")
     begin = time.monotonic()

@@ -1,6 +1,7 @@
 """How far a job is, and how long it will take, for a person who waits at a terminal."""
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from rich.console import Console
@@ -48,6 +49,21 @@ def with_progress(
             before += step
             bar.update(task, completed=before, description=result.path.name)
             yield result
+
+
+@contextmanager
+def counted(word: str, total: int) -> Iterator[Callable[[int], None]]:
+    """Give what is told how many of a set's images are done, while a bar on stderr shows it.
+
+    Args:
+        word: What is being done.
+        total: How many images there are.
+    """
+    console = Console(stderr=True)
+    columns = (TextColumn(word), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
+        task = bar.add_task(word, total=total)
+        yield lambda done: bar.update(task, completed=done)
 
 
 def _pictures(each: Input) -> int:

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 import tyro
 
+from flexdepth.cli.arguments import told_in_one_line
 from flexdepth.geometry.depth import NYU_BINS
 from flexdepth.networks import AGA, Compact, Network
 from flexdepth.networks.encoders import Encoder
@@ -57,9 +58,10 @@ class ShowCompact:
 
 def run(arguments: Sequence[str]) -> int:
     """Show the network that `arguments` name."""
-    shown = tyro.extras.subcommand_cli_from_dict(
-        {"aga": ShowAGA, "compact": ShowCompact}, args=arguments, prog="flexdepth show"
-    )
+    with told_in_one_line("flexdepth show"):
+        shown = tyro.extras.subcommand_cli_from_dict(
+            {"aga": ShowAGA, "compact": ShowCompact}, args=arguments, prog="flexdepth show"
+        )
     width, height = shown.size
     if width < 1 or height < 1:
         raise InputError(f"--size is a width and a height in pixels, got {width} {height}")

@@ -9,8 +9,9 @@ from typing import Annotated
 
 import tyro
 
+from flexdepth.cli.arguments import told_in_one_line
 from flexdepth.experiments.catalogue import CATALOGUE
-from flexdepth.experiments.experiment import Experiment, ImageNet
+from flexdepth.experiments.experiment import Bundled, Experiment, ImageNet, Start, Trained
 from flexdepth.experiments.run import run_experiment
 from flexdepth.runtime.errors import InputError
 
@@ -29,6 +30,9 @@ class Train:
     """The run's folder."""
     processes: Annotated[int, tyro.conf.arg(metavar="N")] = 1
     """Processes that read and augment images while the network computes."""
+    start: Annotated[str | None, tyro.conf.arg(metavar="WEIGHTS")] = None
+    """Weights to begin with: `bundled` (the model that comes with flexdepth), `imagenet` (the
+    encoder alone), a bundle (.onnx) or a checkpoint (.safetensors) of the same network."""
     encoder_weights: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """ImageNet weights of the encoder under timm's names, .safetensors or .pth."""
 
@@ -44,18 +48,37 @@ def run(arguments: Sequence[str]) -> int:
         near = get_close_matches(name, CATALOGUE, n=1)
         hint = f"did you mean {near[0]!r}?" if near else f"choose one of {sorted(CATALOGUE)}"
         raise InputError(f"no experiment {name!r}; {hint}")
-    settings = tyro.cli(
-        Train,
-        args=rest,
-        prog=f"flexdepth train {name}",
-        default=Train(CATALOGUE[name], Path("runs") / name),
-        config=(tyro.conf.AvoidSubcommands,),
-    )
+    with told_in_one_line(f"flexdepth train {name}"):
+        settings = tyro.cli(
+            Train,
+            args=rest,
+            prog=f"flexdepth train {name}",
+            default=Train(CATALOGUE[name], Path("runs") / name),
+            config=(tyro.conf.AvoidSubcommands,),
+        )
     experiment = settings.experiment
     if settings.encoder_weights is not None:
         experiment = replace(experiment, start=ImageNet(settings.encoder_weights))
+    if settings.start is not None:
+        experiment = replace(experiment, start=_start(settings.start))
     run_experiment(experiment, settings.output_dir, settings.processes, _say)
     return 0
+
+
+def _start(weights: str) -> Start:
+    match weights, Path(weights).suffix:
+        case "bundled", _:
+            return Bundled()
+        case "imagenet", _:
+            return ImageNet()
+        case _, ".onnx":
+            return Bundled(Path(weights))
+        case _, ".safetensors":
+            return Trained(Path(weights))
+    raise InputError(
+        f"--start: wanted bundled, imagenet, a .onnx bundle or a .safetensors checkpoint, "
+        f"got {weights!r}"
+    )
 
 
 def _say(line: str) -> None:

@@ -21,9 +21,13 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from flexdepth.data.read import Line, Measured, MeasuredPairs, Split, lines, opencv_camera
+from flexdepth.data.read import Line, Measured, MeasuredPairs, lines, opencv_camera
 from flexdepth.runtime.depthmap import Intrinsics
 from flexdepth.runtime.errors import InputError
+
+EIGEN_TRAIN = Path("eigen_train_files_with_gt.txt")
+EIGEN_TEST = Path("eigen_test_files_with_gt.txt")
+"""BTS's names for the lists of Eigen's split."""
 
 _DRIVE = r"\d{4}_\d\d_\d\d/(\d{4}_\d\d_\d\d_drive_\d{4}_sync)"
 _SEQUENCE = re.compile(_DRIVE)
@@ -34,21 +38,21 @@ _DATE = len("2011_09_26")
 
 @dataclass(frozen=True)
 class Kitti:
-    """Frames of the raw drives with their annotated depth.
+    """Listed frames of the raw drives with their annotated depth; Eigen's split is two lists.
 
     Attributes:
+        root: Where the other paths start, unless they are absolute.
         raw: The folder that holds a folder for each date.
         depth: The folder that holds `train` and `val` of the annotated depth.
-        train_list: Frames to train on.
-        test_list: Frames to test on.
+        frames: The list.
     """
 
-    raw: Path
-    depth: Path
-    train_list: Path
-    test_list: Path
+    root: Path = Path()
+    raw: Path = Path("raw")
+    depth: Path = Path("depth")
+    frames: Path = EIGEN_TRAIN
 
-    def load(self, split: Split) -> MeasuredPairs:
+    def load(self) -> MeasuredPairs:
         """Return the listed pairs, in the order of the list.
 
         A frame that the set itself has no annotated depth for is left out: one whose list says
@@ -60,12 +64,17 @@ class Kitti:
             InputError: A list, a calibration or a file is missing, or a list pairs an image with
                 the depth of another.
         """
-        chosen = {Split.TRAIN: self.train_list, Split.TEST: self.test_list}[split]
-        drives = _Drives(self.raw, self.depth)
+        chosen, depth = self.root / self.frames, self.root / self.depth
+        if not chosen.is_file():
+            raise InputError(
+                f"{chosen}: no such list of frames; wanted {self.root} with this list, "
+                f"{self.raw}/DATE/DRIVE_sync and {self.depth}/train/DRIVE_sync"
+            )
+        drives = _Drives(self.root / self.raw, depth)
         found = tuple(drives.measured(_frame(line), line.where) for line in lines(chosen))
         files = tuple(frame for frame in found if frame is not None)
         if not files:
-            raise InputError(f"{chosen}: {self.depth} has no annotated depth for any of its frames")
+            raise InputError(f"{chosen}: {depth} has no annotated depth for any of its frames")
         return MeasuredPairs(files, 256.0)
 
 

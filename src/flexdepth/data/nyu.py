@@ -70,32 +70,38 @@ class NyuDepth(StrEnum):
 
 @dataclass(frozen=True)
 class NyuLabelled:
-    """The 1449 labelled images.
+    """The 1449 labelled images, by their official split: 795 to train, 654 to test.
 
     Attributes:
         root: The folder that holds `nyu_depth_v2_labeled.mat` and `splits.mat`.
+        split: Which of them.
         depth: Filled or raw.
     """
 
     root: Path = Path()
+    split: Split = Split.TRAIN
     depth: NyuDepth = NyuDepth.FILLED
 
-    def load(self, split: Split) -> "LabelledPairs":
-        """Return the pairs of the official split: 795 to train, 654 to test.
+    def load(self) -> "LabelledPairs":
+        """Return the pairs, in the order of the split.
 
         Raises:
             InputError: A file is missing, damaged or holds something else.
         """
-        path = self.root / _LABELLED
-        with _hdf5(path) as file:
-            images, depths = (file[key].shape for key in ("images", self.depth.value))
+        path, splits = self.root / _LABELLED, self.root / _SPLITS
+        for file in (path, splits):
+            if not file.is_file():
+                raise InputError(f"{file}: no such file; wanted {path.name} and {splits.name}")
+        with _hdf5(path) as labelled:
+            images, depths = (labelled[key].shape for key in ("images", self.depth.value))
         wanted = ((*images[:1], 3, *SIZE), (*images[:1], *SIZE))
         if (images, depths) != wanted:
             raise InputError(
                 f"{path}: wanted images and {self.depth} of shapes {wanted[0]} and {wanted[1]}, "
                 f"got {images} and {depths}; take the file as it is published"
             )
-        return LabelledPairs(path, _numbers(self.root / _SPLITS, split, images[0]), self.depth)
+        numbers = _numbers(splits, self.split, images[0])
+        return LabelledPairs(path, numbers, self.depth)
 
 
 @dataclass(frozen=True)
@@ -136,17 +142,18 @@ class NyuFolders:
     """The synchronised frames, extracted.
 
     Attributes:
-        root: The folder that holds `sync` (training) and `official_splits/test`.
-        train_list: Frames to train on, a line each, as BTS lists them:
-            `SCENE/rgb_00045.jpg SCENE/sync_depth_00045.png 518.8579`. Without it, all there are.
-        test_list: The same for testing.
+        root: The folder that holds `sync` (to train) and `official_splits/test`.
+        split: Which of the two.
+        frames: A list of frames, a line each, as BTS lists them:
+            `SCENE/rgb_00045.jpg SCENE/sync_depth_00045.png 518.8579`. It is looked for in `root`
+            unless its path is absolute. Without it, all frames there are.
     """
 
     root: Path = Path()
-    train_list: Path | None = None
-    test_list: Path | None = None
+    split: Split = Split.TRAIN
+    frames: Path | None = None
 
-    def load(self, split: Split) -> MeasuredPairs:
+    def load(self) -> MeasuredPairs:
         """Return the pairs, in the order of the list, or else of their names.
 
         The focal length in a list is not read: the camera is the set's own, `CAMERA`.
@@ -154,14 +161,13 @@ class NyuFolders:
         Raises:
             InputError: A folder, a list or a file is missing, or a frame has no partner.
         """
-        folder = self.root / _FOLDERS[split]
+        folder = self.root / _FOLDERS[self.split]
         if not folder.is_dir():
             raise InputError(f"{folder}: no such folder; it should hold SCENE/{_NAMES}")
-        chosen = {Split.TRAIN: self.train_list, Split.TEST: self.test_list}[split]
         files = (
             tuple(_found(folder))
-            if chosen is None
-            else tuple(_listed(folder, line) for line in lines(chosen))
+            if self.frames is None
+            else tuple(_listed(folder, line) for line in lines(self.root / self.frames))
         )
         if not files:
             raise InputError(f"{folder}: holds no frames; looked for SCENE/{_NAMES}")

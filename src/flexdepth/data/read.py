@@ -19,7 +19,7 @@ from flexdepth.runtime.images import read_photo
 
 
 class Split(StrEnum):
-    """A part of a data set."""
+    """A published part of a data set."""
 
     TRAIN = "train"
     TEST = "test"

@@ -14,6 +14,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdepth.evaluation import lines
+from flexdepth.evaluation.lines import Line
 from flexdepth.runtime.depthmap import DepthMap, Space
 from flexdepth.runtime.errors import InputError
 
@@ -22,15 +24,22 @@ _Numbers: TypeAlias = NDArray[np.float64]
 NEAREST = 1e-3
 """Metres. No fitted depth is nearer, the floor of the published protocols."""
 
+LEAST_DISPARITY = 1e-3
+"""1/metres. No fitted inverse depth is smaller, as published, where no cap says so first."""
+
 
 class Alignment(StrEnum):
-    """How a prediction is fitted to the truth of its own image, from weak to strong."""
+    """How a prediction is fitted to the truth, from weak to strong."""
 
     NONE = "none"
     MEDIAN = "median"
     """Times median(truth) / median(depth)."""
     SCALE = "scale"
     """Times the factor that is best in the least-squares sense."""
+    SCALE_WEISZFELD = "scale_weiszfeld"
+    """Times the factor that is nearly best in the least-absolute sense (`lines.weiszfeld`)."""
+    DESCENT = "descent"
+    """Factor and offset by a thousand small steps from the median (`lines.descended`)."""
     LEAST_SQUARES = "least_squares"
     """Factor and offset, least squares in depth."""
     LEAST_SQUARES_DISPARITY = "least_squares_disparity"
@@ -41,58 +50,22 @@ _ENOUGH: Mapping[Space, frozenset[Alignment]] = MappingProxyType(
     {
         Space.METRIC: frozenset(Alignment),
         Space.SCALE: frozenset(Alignment) - {Alignment.NONE},
+        # Descent takes the offset a tenth of a metre far, whatever it is.
         Space.AFFINE_DEPTH: frozenset({Alignment.LEAST_SQUARES}),
         Space.AFFINE_DISPARITY: frozenset({Alignment.LEAST_SQUARES_DISPARITY}),
     }
 )
 
 
-@dataclass(frozen=True)
-class Line:
-    """The function `factor · x + offset`."""
-
-    factor: float
-    offset: float = 0.0
-
-    def __call__(self, x: _Numbers) -> _Numbers:
-        """Return the line's height at each x."""
-        return self.factor * x + self.offset
-
-
-def median(x: _Numbers, y: _Numbers) -> Line:
-    """Return the line through 0 that takes the median of x to the median of y.
-
-    References:
-        Zhou, Brown, Snavely and Lowe, CVPR 2017 (single-view depth, where the scale is unknown).
-    """
-    return Line(_ratio(float(np.median(y)), float(np.median(x))))
-
-
-def scale(x: _Numbers, y: _Numbers) -> Line:
-    """Return the line through 0 nearest to y: the factor is Σxy / Σx²."""
-    return Line(_ratio(float(x @ y), float(x @ x)))
-
-
-def least_squares(x: _Numbers, y: _Numbers) -> Line:
-    """Return the line that minimises Σ(factor · x + offset − y)².
-
-    The factor may come out negative, for a prediction that has near and far the wrong way round.
-    Where x is constant any factor fits as well as another, and it is 0.
-    """
-    if np.ptp(x) == 0:
-        return Line(0.0, float(y.mean()))
-    from_mean = x - x.mean()
-    factor = float(from_mean @ y) / float(from_mean @ from_mean)
-    return Line(factor, float(y.mean() - factor * x.mean()))
-
-
-_FITS: Mapping[Alignment, Callable[[_Numbers, _Numbers], Line]] = MappingProxyType(
+_LINES: Mapping[Alignment, Callable[[_Numbers, _Numbers], Line]] = MappingProxyType(
     {
         Alignment.NONE: lambda _x, _y: Line(1.0),
-        Alignment.MEDIAN: median,
-        Alignment.SCALE: scale,
-        Alignment.LEAST_SQUARES: least_squares,
-        Alignment.LEAST_SQUARES_DISPARITY: least_squares,
+        Alignment.MEDIAN: lines.median,
+        Alignment.SCALE: lines.scale,
+        Alignment.SCALE_WEISZFELD: lines.weiszfeld,
+        Alignment.DESCENT: lines.descended,
+        Alignment.LEAST_SQUARES: lines.least_squares,
+        Alignment.LEAST_SQUARES_DISPARITY: lines.least_squares,
     }
 )
 
@@ -110,6 +83,101 @@ def check_alignment(space: Space, alignment: Alignment) -> None:
             f"alignment {alignment} does not undo what a prediction in the space {space} "
             f"leaves open; choose one of: {enough}"
         )
+
+
+def weakest(space: Space) -> Alignment:
+    """Return the weakest alignment that undoes what the space leaves open."""
+    return next(each for each in Alignment if each in _ENOUGH[space])
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """What a line is fitted to, at the scored pixels whose depth is predicted.
+
+    Attributes:
+        x: What the prediction says: depth, or inverse depth.
+        y: What was measured of the same.
+    """
+
+    x: _Numbers
+    y: _Numbers
+
+
+@dataclass(frozen=True)
+class Fit:
+    """How to turn a prediction into metres.
+
+    Attributes:
+        line: From what the prediction says to the truth.
+        inverse: The line is one of inverse depth.
+        least: Predicted inverse depth below this is raised to it first.
+    """
+
+    line: Line
+    inverse: bool
+    least: float | None = None
+
+    def depth(self, prediction: DepthMap, clip: tuple[float, float] | None, sky: float) -> _Numbers:
+        """Return the whole map as depth in metres; unknown pixels stay NaN.
+
+        Args:
+            prediction: The map.
+            clip: The nearest and the farthest depth that comes out; None leaves it as it is.
+            sky: The depth in metres that the prediction's sky stands for.
+        """
+        x = _said(prediction, self.inverse, self.least)
+        known = np.isfinite(x) & ~prediction.sky
+        # Unknown pixels would carry NaN and inf through the line, so they walk it as 0.
+        height = self.line(np.where(known, x, 0.0))
+        if self.inverse:
+            height = 1 / np.maximum(height, LEAST_DISPARITY if clip is None else 1 / clip[1])
+        if clip is not None:
+            height = np.clip(height, *clip)
+        return np.where(prediction.sky, sky, np.where(known, height, np.nan))
+
+
+def scored_points(
+    prediction: DepthMap,
+    alignment: Alignment,
+    truth: NDArray[np.floating],
+    valid: NDArray[np.bool_],
+    least: float | None = None,
+) -> Points:
+    """Return what a line is fitted to in one image. The prediction's sky is left out.
+
+    Args:
+        prediction: What is to be fitted.
+        alignment: How.
+        truth: Measured depth in metres; read at the scored pixels only.
+        valid: The scored pixels.
+        least: Predicted inverse depth below this is raised to it first.
+
+    Raises:
+        InputError: The alignment is too weak for the prediction, or the sizes differ.
+    """
+    check_alignment(prediction.space, alignment)
+    if not prediction.values.shape == truth.shape == valid.shape:
+        raise InputError(
+            f"prediction, truth and scored pixels must be of one size, "
+            f"got {prediction.values.shape}, {truth.shape} and {valid.shape}"
+        )
+    inverse = alignment is Alignment.LEAST_SQUARES_DISPARITY
+    x, y = _said(prediction, inverse, least)[valid], truth[valid].astype(np.float64)
+    known = np.isfinite(x) & ~prediction.sky[valid]
+    x, y = x[known], y[known]
+    return Points(x, 1 / y if inverse else y)
+
+
+def fitted(points: Points, alignment: Alignment, least: float | None = None) -> Fit:
+    """Return the fit of an alignment to some points.
+
+    Raises:
+        InputError: There are none, or no factor fits.
+    """
+    if not points.x.size:
+        raise InputError("no scored pixel has a predicted depth: there is nothing to fit")
+    inverse = alignment is Alignment.LEAST_SQUARES_DISPARITY
+    return Fit(_LINES[alignment](points.x, points.y), inverse, least)
 
 
 def aligned(
@@ -135,37 +203,21 @@ def aligned(
         InputError: The alignment is too weak for the prediction, the sizes differ, or no scored
             pixel has a predicted depth.
     """
-    check_alignment(prediction.space, alignment)
-    if not prediction.values.shape == truth.shape == valid.shape:
-        raise InputError(
-            f"prediction, truth and scored pixels must be of one size, "
-            f"got {prediction.values.shape}, {truth.shape} and {valid.shape}"
-        )
-    inverse = alignment is Alignment.LEAST_SQUARES_DISPARITY
-    x = _disparity(prediction) if inverse else prediction.depth.astype(np.float64)
-    known = np.isfinite(x) & ~prediction.sky
-    fitted = known & valid
-    if not fitted.any():
-        raise InputError("no scored pixel has a predicted depth: there is nothing to fit")
-    y = truth[fitted].astype(np.float64)
-    line = _FITS[alignment](x[fitted], 1 / y if inverse else y)
-    # Unknown pixels would carry NaN and inf through the line, so they walk it as 0.
-    height = line(np.where(known, x, 0.0))
-    depth = 1 / np.maximum(height, 1 / cap) if inverse else height
-    depth = np.where(known, np.clip(depth, NEAREST, cap), np.nan)
-    return np.where(prediction.sky, cap, depth)
+    points = scored_points(prediction, alignment, truth, valid)
+    return fitted(points, alignment).depth(prediction, (NEAREST, cap), cap)
 
 
-def _disparity(prediction: DepthMap) -> _Numbers:
-    """Return what the map says of inverse depth; NaN where it holds no positive depth."""
+def _said(prediction: DepthMap, inverse: bool, least: float | None) -> _Numbers:
+    """Return what the map says of depth or of inverse depth.
+
+    Inverse depth is NaN where the map holds no positive depth, and at least `least` elsewhere.
+    """
+    if not inverse:
+        return prediction.depth.astype(np.float64)
     if prediction.space is Space.AFFINE_DISPARITY:
-        return prediction.disparity.astype(np.float64)
-    depth = prediction.depth.astype(np.float64)
-    positive = depth > 0
-    return np.where(positive, 1 / np.where(positive, depth, 1.0), np.nan)
-
-
-def _ratio(wanted: float, predicted: float) -> float:
-    if not min(wanted, predicted) > 0:
-        raise InputError("the predicted depths are not positive: no factor fits them to the truth")
-    return wanted / predicted
+        said = prediction.disparity.astype(np.float64)
+    else:
+        depth = prediction.depth.astype(np.float64)
+        positive = depth > 0
+        said = np.where(positive, 1 / np.where(positive, depth, 1.0), np.nan)
+    return said if least is None else np.where(prediction.sky, said, np.maximum(said, least))

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from flexdepth.codec import Codec
-from flexdepth.data.folder import Folder
+from flexdepth.data import Data, Folder
 from flexdepth.data.recipes import Recipe
 from flexdepth.data.transforms import Crop
 from flexdepth.losses import GradientMatching, Loss, Silog, Sky
@@ -14,6 +14,7 @@ from flexdepth.networks.compact import Compact
 from flexdepth.networks.merge import Coefficient
 from flexdepth.training.loop import LoopSettings
 from flexdepth.training.objective import Term
+from flexdepth.training.optimiser import AdamWCosine, Optimiser
 
 
 @dataclass(frozen=True)
@@ -38,16 +39,31 @@ class Trained:
     checkpoint: Path
 
 
-Start = ImageNet | Trained
+@dataclass(frozen=True)
+class Bundled:
+    """Start with the weights of a model bundle of the same network.
+
+    Attributes:
+        bundle: An .onnx file; None takes the model that comes with flexdepth.
+    """
+
+    bundle: Path | None = None
+
+
+Start = ImageNet | Trained | Bundled
 """Where the weights come from."""
 
-CODEC = Codec((Start, Loss, Coefficient, Recipe, Network), {Recipe: Crop, Network: Compact})
-"""Experiments as plain values, and back; in an old checkpoint crop and network have no type."""
+CODEC = Codec(
+    (Start, Data, Loss, Coefficient, Recipe, Network, Optimiser),
+    {Data: Folder, Recipe: Crop, Network: Compact, Optimiser: AdamWCosine},
+)
+"""Experiments as plain values, and back. What was once the only one of its kind, and has no type
+in an old checkpoint, is named."""
 
 
 def _terms() -> Mapping[str, Term]:
     return {
-        "silog": Term(Silog(0.85), 1.0),
+        "silog": Term(Silog(0.5), 1.0),
         "gradient": Term(GradientMatching(), 0.5),
         "sky": Term(Sky(), 0.1),
     }
@@ -68,8 +84,8 @@ class Experiment:
     """
 
     network: Network = field(default_factory=Compact)
-    data: Folder = field(default_factory=lambda: Folder(Path("renders/train")))
-    held_out: Folder = field(default_factory=lambda: Folder(Path("renders/heldout")))
+    data: Data = field(default_factory=lambda: Folder(Path("renders/train")))
+    held_out: Data = field(default_factory=lambda: Folder(Path("renders/heldout")))
     terms: Mapping[str, Term] = field(default_factory=_terms)
     loop: LoopSettings = field(default_factory=LoopSettings)
     start: Start = field(default_factory=ImageNet)

@@ -7,15 +7,20 @@ from pathlib import Path
 
 import torch
 
-from flexdepth.experiments.experiment import CODEC, Experiment, ImageNet, Trained
+from flexdepth.experiments.experiment import CODEC, Experiment
+from flexdepth.experiments.start import give_weights
 from flexdepth.networks import Network
 from flexdepth.networks.aga import AGANetwork
 from flexdepth.networks.compact import CompactNetwork
-from flexdepth.networks.pretrained import load_imagenet
+from flexdepth.runtime.atomic import check_writable, discard_unfinished
 from flexdepth.runtime.errors import InputError
-from flexdepth.training.checkpoint import load, restore, save
-from flexdepth.training.loop import Run, Sources, train
-from flexdepth.training.record import Record
+from flexdepth.training.checkpoint import load, restore, save, source
+from flexdepth.training.curves import Curves
+from flexdepth.training.loop import Run, Sources, check_shares, train
+from flexdepth.training.memory import memory_told
+from flexdepth.training.processes import Place, joined
+from flexdepth.training.record import Record, Silence, taken_up
+from flexdepth.training.validation import pictures
 
 LATEST, BEST = "latest.safetensors", "best.safetensors"
 """Files in a run's folder; the best has the lowest held-out error of the averaged weights."""
@@ -44,46 +49,78 @@ def trained_network(path: Path) -> CompactNetwork | AGANetwork:
 def run_experiment(
     experiment: Experiment, folder: Path, processes: int, show: Callable[[str], None]
 ) -> None:
-    """Train, or go on training, in a folder.
+    """Train, or go on training, in a folder; under torchrun, together with other processes.
 
     Raises:
-        InputError: The data or the weights to start from cannot be read, or the folder holds a
-            run of other settings.
+        InputError: The data or the weights to start from cannot be read, the folder holds a run
+            of other settings, or memory is short.
     """
-    sources = Sources(experiment.data.load(), experiment.held_out.load(), processes)
-    run = _begun(experiment, folder / LATEST)
-    if run.iteration:
-        show(f"resuming at iteration {run.iteration}")
+    with joined() as place, memory_told(experiment.loop):
+        sources = Sources(experiment.data.load(), experiment.held_out.load(), processes)
+        check_shares(experiment.loop, place)
+        run = _begun(experiment, folder / LATEST, place)
+        if place.first:
+            _train_in(folder, experiment, run, sources, show)
+        else:
+            train(run, experiment.loop, experiment.terms, sources, Silence(), lambda *_: None)
+
+
+def _train_in(
+    folder: Path, experiment: Experiment, run: Run, sources: Sources, show: Callable[[str], None]
+) -> None:
+    """Train, and leave log, curves and checkpoints in a folder."""
+    show(
+        f"{'resuming' if run.iteration else 'starting'} at iteration {run.iteration} of "
+        f"{experiment.loop.iterations} with {len(sources.training)} images, "
+        f"{len(sources.held_out)} held out, on {run.place.count} x {run.place.device}"
+    )
+    check_writable(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    record = Record(folder / "log.jsonl", experiment.loop.iterations, show)
-    settings = CODEC.plain(experiment)
-    lowest = min(record.scores(), default=inf)
+    discard_unfinished(folder)
+    log = folder / "log.jsonl"
+    lowest = min(taken_up(log, run.iteration), default=inf)
+    curves = Curves(folder / "tensorboard", run.iteration, show)
+    record = Record(log, experiment.loop.iterations, show, curves)
+    settings, code = CODEC.plain(experiment), source()
 
     def keep(run: Run, score: float) -> None:
         nonlocal lowest
-        checkpoint = run.checkpoint(settings)
-        save(folder / LATEST, checkpoint)
+        record.pictures(run.iteration, pictures(run.average, sources.held_out, run.place))
+        checkpoint = run.checkpoint(settings, code)
+        # The best first: a run that is killed between the two does both again.
         if score <= lowest:
             save(folder / BEST, checkpoint)
             lowest = score
+        save(folder / LATEST, checkpoint)
 
     train(run, experiment.loop, experiment.terms, sources, record, keep)
 
 
-def _begun(experiment: Experiment, latest: Path) -> Run:
+def _begun(experiment: Experiment, latest: Path, place: Place) -> Run:
     """Return the run that the latest checkpoint holds, or a new one where there is none."""
     torch.manual_seed(experiment.seed)
     network = experiment.network.build().to(memory_format=torch.channels_last)
-    if latest.exists():
-        found = load(latest)
-        if CODEC.restored(Experiment, found.settings, str(latest)) != experiment:
-            raise InputError(f"{latest}: belongs to a run of other settings; take another folder")
-        run = Run.started(network, experiment.loop)
-        run.resume(found, str(latest))
-        return run
-    match experiment.start:
-        case ImageNet(file):
-            load_imagenet(network.encoder, file)
-        case Trained(checkpoint):
-            restore(network, load(checkpoint).part("average"), str(checkpoint))
-    return Run.started(network, experiment.loop)
+    if not latest.exists():
+        give_weights(network, experiment.start)
+        return Run.started(network, experiment.loop, place)
+    found = load(latest)
+    theirs = CODEC.restored(Experiment, found.settings, str(latest))
+    if theirs != experiment:
+        raise InputError(
+            f"{latest}: belongs to a run of other settings; take another folder "
+            f"({_difference(CODEC.plain(theirs), CODEC.plain(experiment))})"
+        )
+    run = Run.started(network, experiment.loop, place)
+    run.resume(found, str(latest))
+    return run
+
+
+def _difference(theirs: object, ours: object, name: str = "") -> str:
+    """Return where two settings as plain values first differ: `loop.seed: 1 there, 2 here`."""
+    if isinstance(theirs, dict) and isinstance(ours, dict):
+        kinds = theirs.get("_type"), ours.get("_type")
+        if kinds[0] == kinds[1]:
+            key = next(key for key in {**theirs, **ours} if theirs.get(key) != ours.get(key))
+            return _difference(theirs.get(key), ours.get(key), f"{name}.{key}".removeprefix("."))
+        theirs, ours = kinds
+    return f"{name}: {theirs} there, {ours} here"

@@ -24,3 +24,8 @@ KITTI_BASE: Mapping[str, Term] = MappingProxyType(
 
 KITTI: Mapping[str, Term] = MappingProxyType({**KITTI_BASE, "squared": Term(Squared(), 25.0)})
 """`NYU` at the focal length of KITTI."""
+
+RENDERS: Mapping[str, Term] = MappingProxyType(
+    {**NYU, "virtual_normal": Term(VirtualNormal(focal=None), 6.0)}
+)
+"""`NYU` with the camera of each image, for rendered images have different ones."""

@@ -2,8 +2,10 @@
 
 from flexdepth.networks.aga import AGA
 from flexdepth.networks.compact import Compact
+from flexdepth.networks.edrb import EDRB, EDRBMaps
+from flexdepth.networks.pca import PCA
 
 Network = Compact | AGA
 """The settings of any network here."""
 
-__all__ = ["AGA", "Compact", "Network"]
+__all__ = ["AGA", "EDRB", "PCA", "Compact", "EDRBMaps", "Network"]

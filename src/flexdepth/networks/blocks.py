@@ -57,16 +57,8 @@ class DilatedResidualBlock(nn.Module):
 
     def __init__(self, settings: DilatedResidual, inputs: int, width: int) -> None:
         super().__init__()
-        reach, beyond = settings.dilation, settings.padding
         self.project = nn.Conv2d(inputs, width, 1, bias=False)
-        self.refine = nn.Sequential(
-            nn.Conv2d(width, width, 3, padding=reach, dilation=reach, padding_mode=beyond),
-            settings.norm.build(width),
-            nn.ReLU(),
-            nn.Conv2d(
-                width, width, 3, padding=reach, dilation=reach, bias=False, padding_mode=beyond
-            ),
-        )
+        self.refine = refinement(settings, width, width)
 
     def forward(
         self, features: Float[Tensor, "batch inputs height width"]
@@ -75,6 +67,24 @@ class DilatedResidualBlock(nn.Module):
         residual = self.project(features)
         out: Tensor = (residual + self.refine(residual)).relu()
         return out
+
+
+def refinement(settings: DilatedResidual, width: int, inner: int, stride: int = 1) -> nn.Sequential:
+    """Return what the block adds to its residual: two 3x3 convolutions and what is between them.
+
+    Args:
+        settings: Of the block.
+        width: Channels that come in and go out.
+        inner: Channels between the convolutions; the block's own are `width`.
+        stride: Of the first convolution. Sizes are divided by it, and rounded up.
+    """
+    reach, beyond = settings.dilation, settings.padding
+    return nn.Sequential(
+        nn.Conv2d(width, inner, 3, stride, reach, reach, padding_mode=beyond),
+        settings.norm.build(inner),
+        nn.ReLU(),
+        nn.Conv2d(inner, width, 3, 1, reach, reach, bias=False, padding_mode=beyond),
+    )
 
 
 @dataclass(frozen=True)

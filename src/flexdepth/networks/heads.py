@@ -1,14 +1,21 @@
 """What the channels of a network's last map mean."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import log
+from types import MappingProxyType
+from typing import Literal
 
+import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn.functional import interpolate
 
 from flexdepth.geometry.depth import NYU_BINS, DepthBins
+from flexdepth.networks.adaptive import AdaptiveBins
 from flexdepth.networks.blocks import start_as_xavier
+from flexdepth.networks.guidance import PlanarGuidance
+from flexdepth.sample import Prediction
 
 
 @dataclass(frozen=True)
@@ -85,3 +92,91 @@ class BinnedDepthHead(nn.Module):
         """Return depth in units of the bins, and the logits of the bins."""
         logits = self.conv(features)
         return self.bins.depth(logits), logits
+
+    def predicted(self, features: Float[Tensor, "batch channels height width"]) -> Prediction:
+        """Return depth, the logits and what their bins are."""
+        depth, logits = self(features)
+        return Prediction(depth, None, logits=logits, bins=self.bins)
+
+
+def _counted(beyond: Float[Tensor, "batch bins height width"]) -> Float[Tensor, "batch _ _"]:
+    return (beyond >= 0).sum(1).to(beyond.dtype)
+
+
+def _expected(beyond: Float[Tensor, "batch bins height width"]) -> Float[Tensor, "batch _ _"]:
+    return beyond.sigmoid().sum(1)
+
+
+LABELS: Mapping[str, Callable[[Tensor], Tensor]] = MappingProxyType(
+    {"counted": _counted, "expected": _expected}
+)
+"""From the log odds of lying beyond each bin to the bin: how many are likelier than not passed, as
+published, without a gradient; or the sum of the probabilities, between two bins as a rule."""
+
+
+@dataclass(frozen=True)
+class OrdinalDepth:
+    """Ordinal regression: for each bin, whether the depth lies beyond it.
+
+    The bins, equally wide in the logarithm, are the space-increasing discretisation
+    `tᵢ = exp(log α + i log(β / α) / K)` with α the nearest and β the farthest depth.
+
+    Attributes:
+        bins: What is told apart.
+        label: How depth is decoded, of `LABELS`: `counted`, as published, has no gradient, so that
+            only a loss of the log odds, `Ordinal`, can teach it; `expected` has one.
+
+    References:
+        Fu, Gong, Wang, Batmanghelich and Tao, CVPR 2018, section 3: tᵢ; d = (t_l + t_{l+1}) / 2
+        with l = Σ [Pᵏ ≥ 0.5]. There Pᵏ is the softmax of two channels for each bin, here the
+        sigmoid of one, which is the difference of the two; and a shift makes α one, which here is
+        a choice of the range of the bins.
+    """
+
+    bins: DepthBins = NYU_BINS
+    label: Literal["counted", "expected"] = "counted"
+
+    def build(self, inputs: int) -> "OrdinalDepthHead":
+        """Return the head on features of `inputs` channels."""
+        return OrdinalDepthHead(self, inputs)
+
+
+class OrdinalDepthHead(nn.Module):
+    """The module of `OrdinalDepth`: from features at the image's size."""
+
+    def __init__(self, settings: OrdinalDepth, inputs: int) -> None:
+        super().__init__()
+        self.bins, self.label = settings.bins, LABELS[settings.label]
+        self.conv = nn.Conv2d(inputs, self.bins.count, 3, padding=2, dilation=2)
+        start_as_xavier(self)
+
+    def forward(
+        self, features: Float[Tensor, "batch channels height width"]
+    ) -> tuple[Float[Tensor, "batch height width"], Float[Tensor, "batch bins height width"]]:
+        """Return depth in units of the bins, and the log odds of lying beyond each bin."""
+        beyond = self.conv(features)
+        return midway(
+            self.label(beyond.to(torch.promote_types(beyond.dtype, torch.float32))), self.bins
+        ), beyond
+
+    def predicted(self, features: Float[Tensor, "batch channels height width"]) -> Prediction:
+        """Return depth, the log odds and what their bins are."""
+        depth, beyond = self(features)
+        return Prediction(depth, None, bins=self.bins, beyond=beyond)
+
+
+def midway(label: Float[Tensor, "*shape"], bins: DepthBins) -> Float[Tensor, "*shape"]:
+    """Return the mean of the ends of a bin, `(t_l + t_{l+1}) / 2`, in units.
+
+    Args:
+        label: The number l of the bin, or a place between two; what is beyond the last bin is in
+            it.
+        bins: Equally wide in the logarithm.
+    """
+    ratio = 10**bins.width
+    steps = label.clamp(max=bins.count - 1)
+    return bins.nearest * torch.pow(ratio, steps) * ((1 + ratio) / 2)
+
+
+DepthHead = BinnedDepth | OrdinalDepth | AdaptiveBins | PlanarGuidance
+"""What makes depth of features at the image's size; its module has `predicted`."""

@@ -7,8 +7,9 @@ import torch
 from torch import nn
 from torch.utils.flop_counter import FlopCounterMode
 
-from flexdepth.networks import Network
+from flexdepth.networks import EDRB, PCA, Network
 from flexdepth.networks.aga import Stage
+from flexdepth.networks.edrb import RowsNetwork
 from flexdepth.networks.encoders import FeatureEncoder
 from flexdepth.runtime.errors import InputError
 
@@ -30,7 +31,7 @@ class Part:
     multiplications: int
 
 
-def parts(settings: Network, width: int, height: int) -> tuple[Part, ...]:
+def parts(settings: Network | EDRB | PCA, width: int, height: int) -> tuple[Part, ...]:
     """Return the whole network and then its parts, each before the parts of its own.
 
     The network is built and run without memory: nothing is computed but shapes.
@@ -51,8 +52,9 @@ def parts(settings: Network, width: int, height: int) -> tuple[Part, ...]:
             with counter:
                 network(image)
         except (AssertionError, RuntimeError) as error:
+            name = type(settings).__name__ if isinstance(settings, EDRB) else settings.encoder.name
             raise InputError(
-                f"{settings.encoder.name} takes no image of {width} x {height} pixels ({error})"
+                f"{name} takes no image of {width} x {height} pixels ({error})"
             ) from error
     root, counts = type(network).__name__, counter.get_flop_counts()
     counted = {name.removeprefix(f"{root}."): sum(c.values()) // 2 for name, c in counts.items()}
@@ -78,7 +80,7 @@ def _multiplications(name: str, module: nn.Module, counted: Mapping[str, int]) -
 
 def _opened(name: str, module: nn.Module) -> Iterator[tuple[str, nn.Module]]:
     yield name, module
-    holds_parts = isinstance(module, nn.ModuleList | FeatureEncoder | Stage)
+    holds_parts = isinstance(module, nn.ModuleList | FeatureEncoder | Stage | RowsNetwork)
     if not name or name.endswith(".trunk") or holds_parts:
         for child, part in module.named_children():
             yield from _opened(f"{name}.{child}".lstrip("."), part)

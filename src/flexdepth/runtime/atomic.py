@@ -8,6 +8,9 @@ from secrets import token_hex
 
 from flexdepth.runtime.errors import InputError
 
+_UNFINISHED = ".flexdepth-"
+"""What the names of files that are being written begin with."""
+
 
 def check_writable(folder: Path) -> None:
     """Refuse a folder that cannot be written, or made, before work for it is done.
@@ -39,7 +42,7 @@ def replacing(path: Path) -> Iterator[Path]:
     Raises:
         InputError: The folder cannot be written, the disk is full, a folder stands in the way.
     """
-    temporary = path.with_name(f".flexdepth-{token_hex(8)}{path.suffix}")
+    temporary = path.with_name(f"{_UNFINISHED}{token_hex(8)}{path.suffix}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
@@ -53,3 +56,10 @@ def replacing(path: Path) -> Iterator[Path]:
         raise InputError(
             f"{path}: cannot be written: {reason}; free some space or choose another folder"
         ) from error
+
+
+def discard_unfinished(folder: Path) -> None:
+    """Remove the temporary files of writers that were killed; nobody else may be writing here."""
+    for left in folder.glob(f"{_UNFINISHED}*"):
+        with suppress(OSError):
+            left.unlink()

@@ -140,7 +140,7 @@ def load_model(
     """
     if threads is not None and threads < 1:
         raise InputError(f"--threads: wanted a number of threads >= 1, got {threads}")
-    file = _bundled() if path is None else path
+    file = bundled_file() if path is None else path
     with open_input(file) as opened:
         content = opened.read()
     _refuse_other_files(file, content)
@@ -156,7 +156,12 @@ def load_model(
     return Model(description, hashlib.sha256(content).hexdigest(), file, session)
 
 
-def _bundled() -> Path:
+def bundled_file() -> Path:
+    """Return where the model that comes with flexdepth lies.
+
+    Raises:
+        InputError: It is missing.
+    """
     file = resources.files("flexdepth.runtime") / "assets" / _BUNDLED
     if not isinstance(file, Path) or not file.is_file():
         raise InputError(

@@ -4,11 +4,14 @@ Nothing in it is executed when it is read, and it appears whole or not at all.
 """
 
 import json
+import subprocess
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import torch
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save_file
 from torch import Tensor, nn
@@ -28,11 +31,13 @@ class Checkpoint:
         iteration: How many are done.
         settings: Of the experiment, as plain values.
         tensors: By name: `network.*`, `average.*`, `optimiser.<number>.<name>`.
+        source: The code that it comes from, as `source` has it; empty in old files.
     """
 
     iteration: int
     settings: Mapping[str, Any]
     tensors: Mapping[str, Tensor]
+    source: str = ""
 
     def part(self, prefix: str) -> dict[str, Tensor]:
         """Return the tensors under `prefix.`, without it."""
@@ -46,6 +51,7 @@ def save(path: Path, checkpoint: Checkpoint) -> None:
         "format": FORMAT,
         "iteration": str(checkpoint.iteration),
         "settings": json.dumps(checkpoint.settings),
+        "source": checkpoint.source,
     }
     tensors = {name: tensor.contiguous() for name, tensor in checkpoint.tensors.items()}
     with replacing(path) as temporary:
@@ -71,7 +77,27 @@ def load(path: Path) -> Checkpoint:
             f"{path}: wanted a flexdepth checkpoint of format {FORMAT}, "
             f"got format {words.get('format', 'of something else')}"
         )
-    return Checkpoint(int(words["iteration"]), json.loads(words["settings"]), tensors)
+    settings, said = json.loads(words["settings"]), words.get("source", "")
+    return Checkpoint(int(words["iteration"]), settings, tensors, said)
+
+
+def source() -> str:
+    """Return what code this is: the version and, in a checkout, git's name of the commit.
+
+    `-dirty` after the commit says that files had been changed since.
+    """
+    released = f"flexdepth {version('flexdepth')}"
+    root = Path(__file__).parents[3]
+    if not (root / ".git").exists():
+        return released
+    command = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=40"]
+    try:
+        found = subprocess.run(  # noqa: S603
+            [*command, "--exclude=*"], capture_output=True, text=True, check=True
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return released
+    return f"{released}, commit {found.stdout.strip()}"
 
 
 def restore(module: nn.Module, weights: Mapping[str, Tensor], where: str) -> None:
@@ -102,9 +128,16 @@ def optimiser_tensors(optimiser: Optimizer) -> dict[str, Tensor]:
 
 
 def restore_optimiser(optimiser: Optimizer, tensors: Mapping[str, Tensor]) -> None:
-    """Give the optimiser the state that `optimiser_tensors` returned."""
+    """Give the optimiser the state that `optimiser_tensors` returned.
+
+    What has the shape of its weight gets the weight's layout in memory, as the optimiser made it:
+    another layout is computed with in another order, and the last bits differ.
+    """
+    weights = [weight for group in optimiser.param_groups for weight in group["params"]]
     state: dict[int, dict[str, Tensor]] = {}
     for key, value in tensors.items():
         number, name = key.split(".")
-        state.setdefault(int(number), {})[name] = value
+        weight = weights[int(number)].detach()
+        laid = torch.empty_like(weight).copy_(value) if value.shape == weight.shape else value
+        state.setdefault(int(number), {})[name] = laid
     optimiser.load_state_dict({**optimiser.state_dict(), "state": state})

@@ -1,25 +1,37 @@
-"""The training loop."""
+"""The training loop.
+
+With the same number of processes a run ends with the same bits on the CPU, wherever it was
+interrupted. N processes, or a batch in N parts, give the weights of one process on the whole
+batch, up to rounding, for terms that are a mean over images. Two things see only the images that
+pass the network together: batch normalisation, whose running statistics are the mean of the
+processes', and terms that are a mean over the pixels or triangles of a batch.
+"""
 
 import copy
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import torch
-from torch import nn
-from torch.optim import AdamW
+from torch import Tensor, nn
+from torch.optim import Optimizer
 
+from flexdepth.evaluation.alignment import Alignment
+from flexdepth.runtime.errors import InputError
+from flexdepth.sample import Sample
+from flexdepth.tensors import mapped, moved
 from flexdepth.training.averaging import follow
-from flexdepth.training.batches import Batches, BatchSettings, Pairs, loader
+from flexdepth.training.batches import Batches, BatchSettings, Pairs, divided, loader
 from flexdepth.training.checkpoint import (
     Checkpoint,
     optimiser_tensors,
     restore,
     restore_optimiser,
 )
-from flexdepth.training.objective import Term, objective
-from flexdepth.training.optimiser import OptimiserSettings, set_rate
-from flexdepth.training.record import Record
+from flexdepth.training.objective import Term, check_finite, objective
+from flexdepth.training.optimiser import AdamWCosine, Optimiser, set_rate
+from flexdepth.training.processes import ALONE, Place
+from flexdepth.training.record import Listener
 from flexdepth.training.validation import validate
 
 
@@ -33,28 +45,56 @@ class LoopSettings:
         average_decay: Share of the averaged weights that stays at each iteration.
         batches: How batches are made.
         optimiser: How weights move.
+        alignment: How held-out depth is fitted to its truth before it is scored: not at all for
+            metres, up to what the pictures cannot tell where their cameras differ.
+        accumulate: Parts of a batch that pass the network one after another, to save memory.
+        precision: What the network computes in; weights, losses and gradients are float32.
     """
 
     iterations: int = 4000
     save_every: int = 250
     average_decay: float = 0.998
     batches: BatchSettings = field(default_factory=BatchSettings)
-    optimiser: OptimiserSettings = field(default_factory=OptimiserSettings)
+    optimiser: Optimiser = field(default_factory=AdamWCosine)
+    alignment: Alignment = Alignment.LEAST_SQUARES_DISPARITY
+    accumulate: int = 1
+    precision: Literal["float32", "bfloat16"] = "float32"
+
+    def __post_init__(self) -> None:
+        """Refuse a run of nothing."""
+        if min(self.iterations, self.save_every, self.accumulate) < 1:
+            raise InputError(
+                f"iterations, save_every and accumulate are whole numbers >= 1, "
+                f"got {self.iterations}, {self.save_every} and {self.accumulate}"
+            )
+        if not 0 <= self.average_decay < 1:
+            raise InputError(f"average_decay lies in [0, 1), got {self.average_decay:g}")
 
 
 @dataclass(eq=False)
 class Run:
-    """The moving parts of a run."""
+    """The moving parts of a run, in one of the processes that train together.
+
+    Attributes:
+        network: Takes the steps.
+        average: Follows it.
+        optimiser: Of the network's weights.
+        iteration: How many are done.
+        place: Which of the processes this is.
+    """
 
     network: nn.Module
     average: nn.Module
-    optimiser: AdamW
+    optimiser: Optimizer
     iteration: int
+    place: Place
 
     @classmethod
-    def started(cls, network: nn.Module, settings: LoopSettings) -> "Run":
+    def started(cls, network: nn.Module, settings: LoopSettings, place: Place = ALONE) -> "Run":
         """Return a run at iteration 0."""
-        return cls(network, copy.deepcopy(network), settings.optimiser.build(network), 0)
+        network = network.to(place.device)
+        average, optimiser = copy.deepcopy(network), settings.optimiser.build(network)
+        return cls(network, average, optimiser, 0, place)
 
     def resume(self, found: Checkpoint, where: str) -> None:
         """Go on from a checkpoint; `where` is the file it was read from, for messages."""
@@ -63,15 +103,15 @@ class Run:
         restore_optimiser(self.optimiser, found.part("optimiser"))
         self.iteration = found.iteration
 
-    def checkpoint(self, settings: Mapping[str, Any]) -> Checkpoint:
-        """Return everything that `resume` needs."""
+    def checkpoint(self, settings: Mapping[str, Any], source: str = "") -> Checkpoint:
+        """Return everything that `resume` needs, with the code that it comes from."""
         parts = {
             "network": self.network.state_dict(),
             "average": self.average.state_dict(),
             "optimiser": optimiser_tensors(self.optimiser),
         }
         tensors = {f"{part}.{k}": v for part, named in parts.items() for k, v in named.items()}
-        return Checkpoint(self.iteration, settings, tensors)
+        return Checkpoint(self.iteration, settings, tensors, source)
 
 
 @dataclass(frozen=True)
@@ -88,7 +128,7 @@ def train(
     settings: LoopSettings,
     terms: Mapping[str, Term],
     sources: Sources,
-    record: Record,
+    record: Listener,
     save: Callable[[Run, float], None],
 ) -> None:
     """Train from the run's iteration to the last one.
@@ -102,22 +142,71 @@ def train(
         save: Is given the run and its score every `save_every` iterations and at the end.
 
     Raises:
-        FloatingPointError: The objective is not finite.
+        InputError: The batch does not divide, a pair cannot be read, or the objective is not
+            finite.
     """
-    batches = Batches(sources.training, settings.batches, settings.iterations)
+    place = run.place
+    check_shares(settings, place)
+    batches = Batches(
+        sources.training, settings.batches, settings.iterations, place.rank, place.count
+    )
     for batch in loader(batches, run.iteration, sources.processes):
-        set_rate(run.optimiser, settings.optimiser.rate_at(run.iteration, settings.iterations))
-        run.network.train()
-        image = batch.key.image.contiguous(memory_format=torch.channels_last)
-        total, parts = objective(terms, run.network(image), batch)
-        run.optimiser.zero_grad(set_to_none=True)
-        total.backward()  # type: ignore[no-untyped-call]
+        rate = settings.optimiser.rate_at(run.iteration, settings.iterations)
+        set_rate(run.optimiser, rate)
+        parts = learn(run.network, settings, terms, moved(batch, place.device))
+        place.average([*gradients(run.network), *statistics(run.network), *parts.values()])
+        check_finite(parts, run.iteration)
         nn.utils.clip_grad_norm_(run.network.parameters(), settings.optimiser.largest_gradient)
         run.optimiser.step()
         follow(run.average, run.network, run.iteration, settings.average_decay)
         run.iteration += 1
-        record.iteration(run.iteration, {"total": total.detach(), **parts})
+        record.iteration(run.iteration, rate, parts)
         if run.iteration % settings.save_every == 0 or run.iteration == settings.iterations:
-            score = validate(run.average, sources.held_out)
+            score = validate(run.average, sources.held_out, settings.alignment, place)
             record.score(run.iteration, score)
             save(run, score)
+
+
+def learn(
+    network: nn.Module, settings: LoopSettings, terms: Mapping[str, Term], batch: Sample
+) -> dict[str, Tensor]:
+    """Give the network the gradients of the objective, and return its terms and their sum."""
+    network.train()
+    network.zero_grad(set_to_none=True)
+    sums = {name: batch.key.image.new_zeros(()) for name in ("total", *terms)}
+    reduced = settings.precision == "bfloat16"
+    for part in divided(batch, settings.accumulate):
+        image = part.key.image.contiguous(memory_format=torch.channels_last)
+        with torch.autocast(image.device.type, torch.bfloat16, enabled=reduced):
+            prediction = network(image)
+        total, parts = objective(terms, mapped(prediction, Tensor.float), part)
+        (total / settings.accumulate).backward()  # type: ignore[no-untyped-call]
+        for name, value in {"total": total.detach(), **parts}.items():
+            sums[name] += value / settings.accumulate
+    return sums
+
+
+def gradients(network: nn.Module) -> Iterator[Tensor]:
+    """Give the gradients of the weights that have any."""
+    return (weight.grad for weight in network.parameters() if weight.grad is not None)
+
+
+def statistics(network: nn.Module) -> Iterator[Tensor]:
+    """Give the running statistics of batch normalisation."""
+    for module in network.modules():
+        if isinstance(module, nn.BatchNorm2d):
+            yield from (x for x in (module.running_mean, module.running_var) if x is not None)
+
+
+def check_shares(settings: LoopSettings, place: Place) -> None:
+    """Refuse a batch that does not divide among the processes and the parts of each.
+
+    Raises:
+        InputError: It does not.
+    """
+    size, parts = settings.batches.size, place.count * settings.accumulate
+    if size % parts:
+        raise InputError(
+            f"a batch of {size} does not divide into {parts} equal parts, {settings.accumulate} "
+            f"for each of {place.count} processes; take a multiple of {parts}"
+        )

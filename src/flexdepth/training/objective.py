@@ -7,6 +7,7 @@ import torch
 from torch import Tensor
 
 from flexdepth.losses import Loss
+from flexdepth.runtime.errors import InputError
 from flexdepth.sample import Prediction, Sample
 
 
@@ -21,14 +22,25 @@ class Term:
 def objective(
     terms: Mapping[str, Term], prediction: Prediction, sample: Sample
 ) -> tuple[Tensor, dict[str, Tensor]]:
-    """Return the weighted sum over terms of the mean over images, and each term's own mean.
-
-    Raises:
-        FloatingPointError: The sum is not finite; the terms are named with their values.
-    """
+    """Return the weighted sum over terms of the mean over images, and each term's own mean."""
     parts = {name: term.loss(prediction, sample).mean() for name, term in terms.items()}
     total = torch.stack([terms[name].weight * part for name, part in parts.items()]).sum()
-    if not torch.isfinite(total):
-        shown = ", ".join(f"{name} {float(part):g}" for name, part in parts.items())
-        raise FloatingPointError(f"the objective is not finite; its terms are: {shown}")
     return total, {name: part.detach() for name, part in parts.items()}
+
+
+def check_finite(parts: Mapping[str, Tensor], iteration: int) -> None:
+    """Refuse an objective that says nothing.
+
+    Args:
+        parts: The terms and their sum.
+        iteration: How many iterations went well.
+
+    Raises:
+        InputError: One of them is not finite; all are named with their values.
+    """
+    if not torch.stack(list(parts.values())).isfinite().all():
+        shown = ", ".join(f"{name} {float(part):g}" for name, part in parts.items())
+        raise InputError(
+            f"the objective is not finite after {iteration} iterations: {shown}; lower the "
+            f"optimiser's rate, or look for images whose depth is wrong"
+        )

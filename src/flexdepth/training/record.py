@@ -1,59 +1,137 @@
-"""What a run says of itself: a line on the screen now and then, and every number in a file."""
+"""What a run says of itself: a line on the screen now and then, a log, curves and pictures."""
 
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import monotonic
+from typing import Any, Protocol, runtime_checkable
 
 from torch import Tensor
 
-SHOWN_EVERY = 50
+from flexdepth.runtime.atomic import replacing
+from flexdepth.runtime.colour import Pixels
+from flexdepth.runtime.errors import InputError
+from flexdepth.training.curves import Curves
+
+LOGGED_EVERY = 50
+"""Iterations; the terms are their mean over so many."""
+
+_SCORE = "held_out_abs_rel"
+
+
+@runtime_checkable
+class Listener(Protocol):
+    """What the loop tells how it goes."""
+
+    def iteration(self, number: int, rate: float, parts: Mapping[str, Tensor]) -> None:
+        """Hear the learning rate and the terms of one iteration."""
+        ...
+
+    def score(self, number: int, score: float) -> None:
+        """Hear the score of a validation."""
+        ...
+
+
+class Silence:
+    """The listener of processes that do not speak."""
+
+    def iteration(self, number: int, rate: float, parts: Mapping[str, Tensor]) -> None:
+        """Do nothing."""
+
+    def score(self, number: int, score: float) -> None:
+        """Do nothing."""
 
 
 @dataclass(eq=False)
 class Record:
-    """The log of a run, one JSON object a line; a resumed run adds to it.
+    """The log of a run, one JSON object a line, with its curves; a resumed run adds to it.
 
     Attributes:
         path: The log file.
         iterations: How many the whole run has, for the time left.
         show: Takes the lines meant for people.
+        curves: Draws what is logged.
+        every: Iterations between two lines.
     """
 
     path: Path
     iterations: int
     show: Callable[[str], None]
-    _recent: list[dict[str, float]] = field(default_factory=list)
-    _since: float = field(default_factory=monotonic)
+    curves: Curves
+    every: int = LOGGED_EVERY
+    _recent: list[Mapping[str, Tensor]] = field(default_factory=list)
+    _told: float = field(default_factory=monotonic)
+    _spent: float = 0.0
+    _done: int = 0
 
-    def iteration(self, number: int, parts: Mapping[str, Tensor]) -> None:
-        """Note the terms of one iteration."""
-        self._recent.append({name: float(value) for name, value in parts.items()})
-        if number % SHOWN_EVERY:
+    def iteration(self, number: int, rate: float, parts: Mapping[str, Tensor]) -> None:
+        """Note one iteration; its numbers are not looked at before a line is due."""
+        self._recent.append(parts)
+        if number % self.every and number != self.iterations:
             return
         count = len(self._recent)
-        means = {name: sum(r[name] for r in self._recent) / count for name in self._recent[0]}
-        seconds = (monotonic() - self._since) / count
-        self._write({"iteration": number, "seconds": round(seconds, 3), **means})
-        left = (self.iterations - number) * seconds / 60
+        means = {name: sum(float(r[name]) for r in self._recent) / count for name in parts}
+        seconds = self._seconds() / count
+        self._spent, self._done = self._spent + seconds * count, self._done + count
+        self._write({"iteration": number, "seconds": round(seconds, 3), "rate": rate, **means})
+        self.curves.draw(number, {"rate": rate, **{f"term/{k}": v for k, v in means.items()}})
+        left = (self.iterations - number) * self._spent / self._done
         terms = "  ".join(f"{name} {value:.4f}" for name, value in means.items())
-        self.show(f"{number}/{self.iterations}  {terms}  {seconds:.2f} s/it, {left:.0f} min left")
-        self._recent, self._since = [], monotonic()
+        self.show(f"{number}/{self.iterations}  {terms}  {seconds:.2f} s/it, {span(left)} left")
+        self._recent = []
 
     def score(self, number: int, score: float) -> None:
         """Note the score of a validation."""
-        self._write({"iteration": number, "held_out_abs_rel": score})
+        self._write({"iteration": number, _SCORE: score})
+        self.curves.draw(number, {_SCORE: score})
         self.show(f"{number}/{self.iterations}  held-out AbsRel {score:.4f}")
-        self._since = monotonic()
 
-    def scores(self) -> list[float]:
-        """Return the scores of all validations so far, those of an interrupted run too."""
-        if not self.path.exists():
-            return []
-        entries = map(json.loads, self.path.read_text(encoding="utf-8").splitlines())
-        return [entry["held_out_abs_rel"] for entry in entries if "held_out_abs_rel" in entry]
+    def pictures(self, number: int, named: Mapping[str, Pixels]) -> None:
+        """Note what the network makes of some images."""
+        self.curves.paint(number, named)
+
+    def _seconds(self) -> float:
+        """Return how long ago this was last asked."""
+        before, self._told = self._told, monotonic()
+        return self._told - before
 
     def _write(self, entry: Mapping[str, int | float]) -> None:
-        with self.path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(entry) + "\n")
+        try:
+            with self.path.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(entry) + "\n")
+        except OSError as error:
+            raise InputError(f"{self.path}: cannot be written: {error.strerror}") from error
+
+
+def span(seconds: float) -> str:
+    """Return a time as people say it: `40 s`, `12 min`, `3 h 05 min`."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 90 else f"{minutes // 60} h {minutes % 60:02d} min"
+
+
+def taken_up(path: Path, iteration: int) -> list[float]:
+    """Cut a log back to an iteration, from which its run goes on, and return the scores in it.
+
+    What an interrupted run did after its last checkpoint will be done and logged again. A line
+    that was cut short is dropped.
+    """
+    if not path.exists():
+        return []
+    kept = [entry for entry in _entries(path) if entry["iteration"] <= iteration]
+    with replacing(path) as temporary:
+        lines = (json.dumps(entry) + "\n" for entry in kept)
+        temporary.write_text("".join(lines), encoding="utf-8")
+    return [float(entry[_SCORE]) for entry in kept if _SCORE in entry]
+
+
+def _entries(path: Path) -> list[dict[str, Any]]:
+    entries = []
+    for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+        try:
+            entries.append(json.loads(line))
+        except json.JSONDecodeError:
+            continue
+    return entries

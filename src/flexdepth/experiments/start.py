@@ -1,0 +1,40 @@
+"""Giving a network the weights that its training starts with."""
+
+from collections.abc import Mapping
+
+from torch import Tensor, nn
+
+from flexdepth.experiments.experiment import Bundled, ImageNet, Start, Trained
+from flexdepth.export import bundled_weights
+from flexdepth.networks.aga import AGANetwork
+from flexdepth.networks.compact import CompactNetwork
+from flexdepth.networks.pretrained import load_imagenet
+from flexdepth.training.checkpoint import load, restore
+
+
+def give_weights(network: CompactNetwork | AGANetwork, start: Start) -> None:
+    """Give a network its first weights.
+
+    Raises:
+        InputError: The file to start from is missing, broken or of another network.
+    """
+    match start:
+        case ImageNet(file):
+            load_imagenet(network.encoder, file)
+        case Trained(checkpoint):
+            restore(network, load(checkpoint).part("average"), str(checkpoint))
+        case Bundled(bundle):
+            where = "the bundled model" if bundle is None else str(bundle)
+            restore(network, _as_stored(network, bundled_weights(bundle)), where)
+
+
+def _as_stored(network: nn.Module, weights: Mapping[str, Tensor]) -> dict[str, Tensor]:
+    """Return a bundle's weights as a checkpoint would hold them.
+
+    A bundle also holds the constants that a network does not store, and lacks the number of
+    batches that a normalisation has seen, which only counts.
+    """
+    own = network.state_dict()
+    constants = dict(network.named_buffers()).keys() - own.keys()
+    counters = {name: value for name, value in own.items() if name.endswith("num_batches_tracked")}
+    return counters | {name: value for name, value in weights.items() if name not in constants}

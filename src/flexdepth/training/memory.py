@@ -1,0 +1,47 @@
+"""What to do where memory is short."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import prod
+
+import torch
+
+from flexdepth.runtime.errors import InputError
+from flexdepth.training.loop import LoopSettings
+
+_SHORT = ("can't allocate memory", "Unable to allocate")
+"""What torch's CPU allocator and NumPy say; of a GPU's memory torch has an exception."""
+
+_KILLED = ("is killed by signal", "exited unexpectedly")
+"""What torch says of a loading process that the system has ended."""
+
+
+@contextmanager
+def memory_told(settings: LoopSettings) -> Iterator[None]:
+    """Say what to lower where the block runs out of memory.
+
+    Raises:
+        InputError: There was too little of it.
+    """
+    try:
+        yield
+    except (RuntimeError, MemoryError) as error:
+        short = isinstance(error, torch.OutOfMemoryError | MemoryError)
+        if short or any(sign in str(error) for sign in _SHORT):
+            raise InputError(_advice(settings)) from error
+        if any(sign in str(error) for sign in _KILLED):
+            raise InputError(
+                "a process that loads images has died, as a rule because memory is short; "
+                "take fewer of them with --processes, or a smaller --loop.batches.size"
+            ) from error
+        raise
+
+
+def _advice(settings: LoopSettings) -> str:
+    batches, parts = settings.batches, settings.accumulate
+    width, height = max(batches.shapes, key=prod)
+    return (
+        f"out of memory with batches of {batches.size} images of up to {width}x{height} in "
+        f"{parts} parts; lower --loop.batches.size or --loop.batches.shapes, or raise "
+        f"--loop.accumulate, which divides the same batch into more parts"
+    )
