@@ -57,8 +57,9 @@ class Codec:
         converter = make_converter(forbid_extra_keys=True)
         for union in self.unions:
             configure_tagged_union(union, converter)
-        for union, member in self.untagged.items():
-            _tag_if_missing(converter, union, member)
+            # At once: what holds this union takes the way to read it as it is then.
+            if union in self.untagged:
+                _tag_if_missing(converter, union, self.untagged[union])
         return converter
 
 

@@ -4,6 +4,8 @@ import pytest
 import torch
 from safetensors.torch import save_file
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
+from torch import nn
+from torch.nn.functional import avg_pool2d, interpolate
 
 from flexdepth.data.folder import Folder
 from flexdepth.experiments import run
@@ -18,6 +20,7 @@ from flexdepth.synth.generate import SynthSettings, write_images
 from flexdepth.training.batches import BatchSettings
 from flexdepth.training.checkpoint import load, source
 from flexdepth.training.loop import LoopSettings
+from flexdepth.training.optimiser import SGDPolynomial
 
 
 @pytest.fixture(scope="module")
@@ -128,6 +131,28 @@ def test_a_data_root_that_is_missing_stops_a_run_before_it_begins(experiment, tm
     nowhere = replace(experiment, **{part: Folder(tmp_path / "nowhere")})
     with pytest.raises(InputError, match=r"nowhere.image: no such folder; a data folder holds"):
         run_experiment(nowhere, tmp_path / "run", 0, print)
+    assert not (tmp_path / "run").exists()
+
+
+class Halved(nn.Module):
+    """Five times, and doubled again; a network as it is, without the checks of its annotations."""
+
+    def forward(self, image):
+        return image + interpolate(avg_pool2d(image, 32), scale_factor=32.0)
+
+
+def test_shapes_that_the_network_does_not_take_stop_a_run_before_it_begins(
+    experiment, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(Compact, "build", lambda _: Halved())
+    monkeypatch.setattr(run, "give_weights", lambda *_: None)
+    batches = replace(experiment.loop.batches, shapes=((64, 96), (100, 64)))
+    steps = SGDPolynomial()
+    odd = replace(experiment, loop=replace(experiment.loop, batches=batches, optimiser=steps))
+    with pytest.raises(
+        InputError, match=r"Compact does not take images of 100x64; multiples of 32"
+    ):
+        run_experiment(odd, tmp_path / "run", 0, print)
     assert not (tmp_path / "run").exists()
 
 

@@ -142,7 +142,8 @@ def test_every_variant_worked_by_hand(name, coefficient, attention):
 
 def test_features_of_unequal_widths_are_merged_as_the_formula_says():
     merge = Merge(VARIANTS["S7"], 32, 64).double()
-    lateral, decoder = torch.randn(2, 32, 3, 4).double(), torch.randn(2, 64, 3, 4).double()
+    # Long features, for which the 1e-8 that is added to squared lengths is nothing.
+    lateral, decoder = (100 * torch.randn(2, width, 3, 4).double() for width in (32, 64))
     merged, attention = merge(lateral, decoder)
     weighting = merge.weighting
     first = torch.einsum("oi,bihw->bohw", weighting.embed.lateral.weight[..., 0, 0], lateral)

@@ -33,7 +33,7 @@ from flexdepth.training.batches import BatchSettings
 from flexdepth.training.checkpoint import save
 from flexdepth.training.loop import LoopSettings, Run, Sources, train
 from flexdepth.training.objective import Term
-from flexdepth.training.optimiser import AdamWCosine
+from flexdepth.training.optimiser import AdamWCosine, SGDPolynomial
 from flexdepth.training.processes import joined
 from flexdepth.training.record import Silence
 
@@ -41,7 +41,8 @@ TOGETHER = LoopSettings(
     iterations=6,
     save_every=3,
     batches=BatchSettings(size=4, shapes=((32, 32), (64, 32))),
-    optimiser=AdamWCosine(rate=0.1, warm_up=2),
+    # Plain steps: those of AdamW do not see the gradient's length.
+    optimiser=SGDPolynomial(rate=0.1, weight_decay=0.0),
 )
 INTERRUPTED = Experiment(
     network=Compact(encoder=Encoder("test_efficientnet"), widths=(8, 8, 8, 8)),

@@ -16,7 +16,8 @@ from flexdepth.training.batches import Batches, BatchSettings
 from flexdepth.training.checkpoint import load, save
 from flexdepth.training.loop import LoopSettings, Run, Sources, learn, train
 from flexdepth.training.objective import Term, objective
-from flexdepth.training.optimiser import AdamWCosine
+from flexdepth.training.optimiser import AdamWCosine, SGDPolynomial
+from flexdepth.training.processes import Place
 from flexdepth.training.record import Silence
 
 TERMS = {"silog": Term(Silog(0.5))}
@@ -86,7 +87,9 @@ def weights(run):
 
 @pytest.mark.parametrize("parts", [2, 4])
 def test_a_batch_in_parts_teaches_what_the_whole_batch_teaches(pairs, parts):
-    settings = replace(SETTINGS, batches=replace(SETTINGS.batches, size=4))
+    """With plain steps: those of AdamW do not see the gradient's length."""
+    steps = SGDPolynomial(rate=0.1, weight_decay=0.0)
+    settings = replace(SETTINGS, batches=replace(SETTINGS.batches, size=4), optimiser=steps)
     whole = trained(pairs, Run.started(TwoConvolutions(), settings), settings)
     divided = replace(settings, accumulate=parts)
     run = trained(pairs, Run.started(TwoConvolutions(), settings), divided)
@@ -124,6 +127,20 @@ def test_bfloat16_computes_the_network_alone(pairs, monkeypatch):
     for gradient, weight in zip(found, network.parameters(), strict=True):
         largest = weight.grad.abs().max().item()
         assert_close(gradient, weight.grad, atol=0.1 * largest, rtol=0)
+
+
+def test_processes_average_gradients_statistics_and_terms(pairs, network, monkeypatch):
+    """The statistics' mean and variance, the gradients of six weights, a term and the sum."""
+    averaged = []
+    monkeypatch.setattr(Place, "average", lambda _, tensors: averaged.append(list(tensors)))
+    trained(pairs, Run.started(network, SETTINGS), replace(SETTINGS, iterations=1))
+    (tensors,) = averaged
+    norm = network.norm
+    assert any(tensor is norm.running_mean for tensor in tensors)
+    assert any(tensor is norm.running_var for tensor in tensors)
+    for weight in network.parameters():
+        assert any(tensor is weight.grad for tensor in tensors)
+    assert len(tensors) == 2 + 6 + 2
 
 
 def test_an_objective_that_is_not_finite_stops_the_run_before_the_step(pairs, network):

@@ -129,17 +129,18 @@ def test_processes_judge_by_different_images(monkeypatch):
 
 
 def test_pictures_show_truth_and_prediction_in_the_same_colours():
-    metres = np.linspace(1, 9, 40)[None] * np.ones((33, 1))
-    right, wrong = np.round(10 * metres) / 10, np.round(20 * metres) / 10
-    pairs = [replace(red_pair(metres, truth), name=str(n)) for n, truth in enumerate([right] * 7)]
-    pairs[4] = replace(red_pair(metres, wrong), name="4")
+    """The truth of the picture in the middle is twice as far on the right half."""
+    seen = np.round(np.linspace(10, 90, 40)) / 10 * np.ones((33, 1))
+    pairs = [replace(red_pair(seen, seen), name=str(number)) for number in range(7)]
+    farther = np.where(np.arange(40) < 20, seen, 2 * seen)
+    pairs[2] = replace(red_pair(seen, farther), name="2")
     shown = pictures(RedIsDepth(), pairs)
     assert list(shown) == ["0", "2", "4"]
     for name, pixels in shown.items():
-        below_titles = pixels[-33:]
-        image, truth, prediction = (below_titles[:, left : left + 40] for left in (0, 45, 90))
+        image, truth, prediction = (pixels[-33:, left : left + 40] for left in (0, 45, 90))
         assert (image[..., 1:] == 0).all()
-        assert (truth == prediction).all() == (name != "4")
+        assert (truth[:, :20] == prediction[:, :20]).all()
+        assert (truth[:, 20:] == prediction[:, 20:]).all() == (name != "2")
 
 
 def test_an_image_without_any_depth_has_a_picture_all_the_same():

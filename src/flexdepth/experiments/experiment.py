@@ -11,6 +11,8 @@ from flexdepth.data.transforms import Crop
 from flexdepth.losses import GradientMatching, Loss, Silog, Sky
 from flexdepth.networks import Network
 from flexdepth.networks.compact import Compact
+from flexdepth.networks.extended import Branch
+from flexdepth.networks.heads import BinnedDepth, DepthHead
 from flexdepth.networks.merge import Coefficient
 from flexdepth.training.loop import LoopSettings
 from flexdepth.training.objective import Term
@@ -50,12 +52,23 @@ class Bundled:
     bundle: Path | None = None
 
 
-Start = ImageNet | Trained | Bundled
+@dataclass(frozen=True)
+class Untrained:
+    """Start with random weights, as the EDRB network does."""
+
+
+Start = ImageNet | Trained | Bundled | Untrained
 """Where the weights come from."""
 
 CODEC = Codec(
-    (Start, Data, Loss, Coefficient, Recipe, Network, Optimiser),
-    {Data: Folder, Recipe: Crop, Network: Compact, Optimiser: AdamWCosine},
+    (Start, Data, Loss, Coefficient, Branch, DepthHead, Recipe, Network, Optimiser),
+    {
+        Data: Folder,
+        DepthHead: BinnedDepth,
+        Recipe: Crop,
+        Network: Compact,
+        Optimiser: AdamWCosine,
+    },
 )
 """Experiments as plain values, and back. What was once the only one of its kind, and has no type
 in an old checkpoint, is named."""

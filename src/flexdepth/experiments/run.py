@@ -1,17 +1,17 @@
 """Running an experiment in a folder: start or resume, log, checkpoints."""
 
+import copy
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 
 import torch
+from torch import nn
 
 from flexdepth.experiments.experiment import CODEC, Experiment
 from flexdepth.experiments.start import give_weights
-from flexdepth.networks import Network
-from flexdepth.networks.aga import AGANetwork
-from flexdepth.networks.compact import CompactNetwork
+from flexdepth.networks import Built, Network
 from flexdepth.runtime.atomic import check_writable, discard_unfinished
 from flexdepth.runtime.errors import InputError
 from flexdepth.training.checkpoint import load, restore, save, source
@@ -33,7 +33,7 @@ class _Stored:
     network: Network
 
 
-def trained_network(path: Path) -> CompactNetwork | AGANetwork:
+def trained_network(path: Path) -> Built:
     """Return the averaged network in a checkpoint, ready to predict.
 
     Raises:
@@ -59,6 +59,7 @@ def run_experiment(
         sources = Sources(experiment.data.load(), experiment.held_out.load(), processes)
         check_shares(experiment.loop, place)
         run = _begun(experiment, folder / LATEST, place)
+        _check_shapes(run.network, experiment)
         if place.first:
             _train_in(folder, experiment, run, sources, show)
         else:
@@ -113,6 +114,23 @@ def _begun(experiment: Experiment, latest: Path, place: Place) -> Run:
     run = Run.started(network, experiment.loop, place)
     run.resume(found, str(latest))
     return run
+
+
+def _check_shapes(network: nn.Module, experiment: Experiment) -> None:
+    """Refuse batches that the network does not take, by shapes alone, without computing.
+
+    Raises:
+        InputError: A side is not what the network can halve.
+    """
+    outline = copy.deepcopy(network).to("meta").eval()
+    for width, height in experiment.loop.batches.shapes:
+        try:
+            outline(torch.empty(1, 3, height, width, device="meta"))
+        except RuntimeError as error:
+            raise InputError(
+                f"loop.batches.shapes: {type(experiment.network).__name__} does not take images of "
+                f"{width}x{height}; multiples of 32 suit every network"
+            ) from error
 
 
 def _difference(theirs: object, ours: object, name: str = "") -> str:

@@ -4,22 +4,30 @@ from collections.abc import Mapping
 
 from torch import Tensor, nn
 
-from flexdepth.experiments.experiment import Bundled, ImageNet, Start, Trained
+from flexdepth.experiments.experiment import Bundled, ImageNet, Start, Trained, Untrained
 from flexdepth.export import bundled_weights
-from flexdepth.networks.aga import AGANetwork
-from flexdepth.networks.compact import CompactNetwork
+from flexdepth.networks import Built
+from flexdepth.networks.edrb import EDRBNetwork
 from flexdepth.networks.pretrained import load_imagenet
+from flexdepth.runtime.errors import InputError
 from flexdepth.training.checkpoint import load, restore
 
 
-def give_weights(network: CompactNetwork | AGANetwork, start: Start) -> None:
+def give_weights(network: Built, start: Start) -> None:
     """Give a network its first weights.
 
     Raises:
         InputError: The file to start from is missing, broken or of another network.
     """
     match start:
+        case Untrained():
+            pass
         case ImageNet(file):
+            if isinstance(network, EDRBNetwork):
+                raise InputError(
+                    "the EDRB network has no encoder that ImageNet has weights for: start it "
+                    "untrained"
+                )
             load_imagenet(network.encoder, file)
         case Trained(checkpoint):
             restore(network, load(checkpoint).part("average"), str(checkpoint))

@@ -1,11 +1,14 @@
 """Networks: each file holds a frozen settings class with `build()`, and its module."""
 
-from flexdepth.networks.aga import AGA
-from flexdepth.networks.compact import Compact
-from flexdepth.networks.edrb import EDRB, EDRBMaps
-from flexdepth.networks.pca import PCA
+from flexdepth.networks.aga import AGA, AGANetwork
+from flexdepth.networks.compact import Compact, CompactNetwork
+from flexdepth.networks.edrb import EDRB, EDRBMaps, EDRBNetwork
+from flexdepth.networks.pca import PCA, PCANetwork
 
-Network = Compact | AGA
-"""The settings of any network here."""
+Network = Compact | AGA | EDRB | PCA
+"""The settings of any network that makes depth of an image."""
 
-__all__ = ["AGA", "EDRB", "PCA", "Compact", "EDRBMaps", "Network"]
+Built = CompactNetwork | AGANetwork | EDRBNetwork | PCANetwork
+"""The module of any of them."""
+
+__all__ = ["AGA", "EDRB", "PCA", "Built", "Compact", "EDRBMaps", "Network"]

@@ -19,7 +19,7 @@ from flexdepth.networks.blocks import (
     start_as_xavier,
 )
 from flexdepth.networks.encoders import Encoder
-from flexdepth.networks.heads import BinnedDepth
+from flexdepth.networks.heads import BinnedDepth, DepthHead
 from flexdepth.networks.merge import Coefficient, Merge, SpatialPlusChannelAttention
 from flexdepth.sample import Prediction
 
@@ -59,7 +59,7 @@ class AGA:
     pyramid: Pyramid = field(default_factory=Pyramid)
     block: DilatedResidual = field(default_factory=DilatedResidual)
     top_norm: BatchNorm = field(default_factory=lambda: BatchNorm(momentum=0.5))
-    head: BinnedDepth = field(default_factory=BinnedDepth)
+    head: DepthHead = field(default_factory=BinnedDepth)
     canonical_focal: float | None = None
 
     def build(self) -> "AGANetwork":
@@ -105,7 +105,7 @@ class AGANetwork(nn.Module):
         self.head = settings.head.build(settings.widths[-1])
 
     def forward(self, image: Float[Tensor, "batch 3 height width"]) -> Prediction:
-        """Return depth, the logits of its bins and the attention of each merge that has one.
+        """Return depth, what the head says beside it and the attention of each merge that has one.
 
         Args:
             image: RGB in [0, 1], of any size that the encoder takes.
@@ -118,13 +118,10 @@ class AGANetwork(nn.Module):
             attention.append(looked_at)
         rows, columns = image.shape[-2:]
         half = self.last(resized(decoded, (rows + 1) // 2, (columns + 1) // 2))
-        depth, logits = self.head(resized(half, rows, columns))
-        return Prediction(
-            depth=depth,
+        return replace(
+            self.head.predicted(resized(half, rows, columns)),
             canonical_focal=self.settings.canonical_focal,
             attention=tuple(a for a in attention if a is not None),
-            logits=logits,
-            bins=self.settings.head.bins,
         )
 
 

@@ -7,7 +7,7 @@ import torch
 from torch import nn
 from torch.utils.flop_counter import FlopCounterMode
 
-from flexdepth.networks import EDRB, PCA, Network
+from flexdepth.networks import EDRB, Network
 from flexdepth.networks.aga import Stage
 from flexdepth.networks.edrb import RowsNetwork
 from flexdepth.networks.encoders import FeatureEncoder
@@ -31,7 +31,7 @@ class Part:
     multiplications: int
 
 
-def parts(settings: Network | EDRB | PCA, width: int, height: int) -> tuple[Part, ...]:
+def parts(settings: Network, width: int, height: int) -> tuple[Part, ...]:
     """Return the whole network and then its parts, each before the parts of its own.
 
     The network is built and run without memory: nothing is computed but shapes.

@@ -2,10 +2,10 @@
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -69,7 +69,7 @@ def _library(seed: int) -> Library:
 
 
 @lru_cache(maxsize=1)
-def _stage(settings: SynthSettings, scene: int, retry: int) -> Stage:
+def stage_of(settings: SynthSettings, scene: int, retry: int) -> Stage:
     """Return a scene ready for rays."""
     rng = np.random.default_rng([settings.seed, 1, scene, retry])
     place = rng.random()
@@ -86,7 +86,7 @@ def rendered(settings: SynthSettings, index: int) -> tuple[Rendering, NDArray[np
     aspect = settings.width / settings.height
     scene = index // VIEWS
     for retry in range(_ATTEMPTS):
-        stage = _stage(settings, scene, retry)
+        stage = stage_of(settings, scene, retry)
         rng = np.random.default_rng([settings.seed, 2, index, retry])
         for _ in range(_ATTEMPTS):
             view = viewpoint(rng, stage.scene, aspect)
@@ -112,15 +112,18 @@ def write_image(settings: SynthSettings, index: int, folder: Path) -> None:
         path.write_bytes(encoded.tobytes())
 
 
-def _write_scene(settings: SynthSettings, indices: range, folder: Path) -> int:
+def _write_scene(settings: SynthSettings, folder: Path, indices: range) -> int:
     for index in indices:
         write_image(settings, index, folder)
     return len(indices)
 
 
-def _claim(folder: Path, settings: SynthSettings) -> None:
-    """Write `world.json`, what the folder's images show; refuse a folder of another world."""
-    world = {"version": VERSION, **asdict(settings)}
+def claim(folder: Path, world: Mapping[str, object]) -> None:
+    """Write `world.json`, what the folder's images show; refuse a folder of another world.
+
+    Raises:
+        InputError: The folder cannot be written, or holds images of another world.
+    """
     stated = folder / "world.json"
     if not os.path.exists(stated):
         with replacing(stated) as path:
@@ -135,6 +138,27 @@ def _claim(folder: Path, settings: SynthSettings) -> None:
         )
 
 
+def in_scenes(write: Callable[[range], int], count: int, processes: int) -> Iterator[int]:
+    """Write numbers 0 to `count` - 1 scene by scene, and yield how many are done after each.
+
+    Args:
+        write: Writes the numbers of one scene and returns how many they are; it can be pickled.
+        count: How many.
+        processes: How many write at once.
+    """
+    scenes = [range(first, min(first + VIEWS, count)) for first in range(0, count, VIEWS)]
+    done = 0
+    # A forked child inherits the locks of threads that it does not have, and can wait for ever.
+    pool = ProcessPoolExecutor(processes, mp_context=get_context("spawn"))
+    try:
+        jobs = [pool.submit(write, scene) for scene in scenes]
+        for job in jobs:
+            done += job.result()
+            yield done
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
 def write_images(
     settings: SynthSettings, count: int, folder: Path, processes: int
 ) -> Iterator[int]:
@@ -145,15 +169,5 @@ def write_images(
     Raises:
         InputError: The folder cannot be written, or holds images of other settings.
     """
-    _claim(folder, settings)
-    scenes = [range(first, min(first + VIEWS, count)) for first in range(0, count, VIEWS)]
-    done = 0
-    # A forked child inherits the locks of threads that it does not have, and can wait for ever.
-    pool = ProcessPoolExecutor(processes, mp_context=get_context("spawn"))
-    try:
-        jobs = [pool.submit(_write_scene, settings, scene, folder) for scene in scenes]
-        for job in jobs:
-            done += job.result()
-            yield done
-    finally:
-        pool.shutdown(cancel_futures=True)
+    claim(folder, {"version": VERSION, **asdict(settings)})
+    yield from in_scenes(partial(_write_scene, settings, folder), count, processes)

@@ -92,17 +92,25 @@ class Stage:
         )
 
 
-def render(rng: Generator, stage: Stage, view: Viewpoint, width: int, height: int) -> Rendering:
+def render(
+    rng: Generator,
+    stage: Stage,
+    view: Viewpoint,
+    width: int,
+    height: int,
+    weather: Generator | None = None,
+) -> Rendering:
     """Return the image of a stage from a viewpoint, one ray a pixel.
 
     Light is the sum of what glows, lamps and sun with shadows, and ambient light that near
     surfaces block (ambient occlusion within the scene's reach). The few random rays a pixel
-    leave noise, which a filter that keeps geometric edges removes.
+    leave noise, which a filter that keeps geometric edges removes. The clouds are drawn from
+    `weather`, by default from `rng` as well: frames of a film share the sky, not the noise.
     """
     focal = view.focal * float(np.hypot(width, height))
     rays = _camera_rays(width, height, focal)
     hits, depth = _first_hits(stage, view, rays, focal)
-    light = _sky(rng, stage.scene, rays @ view.world_from_camera.T.astype(np.float32))
+    light = _sky(weather or rng, stage.scene, rays @ view.world_from_camera.T.astype(np.float32))
     emitted, albedo = _surface_colours(stage, hits)
     irradiance = np.zeros_like(light)
     irradiance[hits.pixel] = _ambient(rng, stage, hits)

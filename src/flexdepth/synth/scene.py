@@ -51,6 +51,7 @@ class Scene:
         clouds: Share of the sky that is clouded.
         eyes: Region where cameras stand, low corner and high corner, metres.
         outdoors: Whether cameras look as cars and walkers do, along z, or around a room.
+        road: Half the width of a road on y = 0 along z, in the middle; 0 where there is none.
     """
 
     parts: list[Part]
@@ -63,3 +64,4 @@ class Scene:
     clouds: float
     eyes: tuple[NDArray[np.float64], NDArray[np.float64]]
     outdoors: bool
+    road: float = 0.0

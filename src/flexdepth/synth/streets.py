@@ -43,6 +43,7 @@ def street(rng: Generator) -> Scene:
             np.array([x, rng.uniform(1.6, 2.3), 25.0]),
         ),
         outdoors=True,
+        road=half_road,
     )
 
 

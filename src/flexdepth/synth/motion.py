@@ -1,0 +1,74 @@
+"""What moves in a sequence, how much of the picture, and how the camera does."""
+
+from dataclasses import dataclass
+from math import floor
+
+from numpy.random import Generator
+
+from flexdepth.runtime.errors import InputError
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How the frames of a sequence differ.
+
+    Attributes:
+        frames: Frames of a sequence; 1 shows no motion.
+        rate: Frames a second.
+        focal: Focal length in pixels; None draws the field of view.
+        parallax: Least and most pixels by which the camera's travel moves the median still point
+            from one frame to the next, sky left out; None lets cameras travel as they do.
+        moving: Least and most share of the first frame that moves by itself.
+        rigid: Least and most number of rigid movers.
+        flexible: Least and most number of movers that bend.
+        feet: Share of the movers that stand, walk or roll on the ground and whose contact with it
+            is seen in the first frame; the others are in the air.
+    """
+
+    frames: int = 1
+    rate: float = 10.0
+    focal: float | None = None
+    parallax: tuple[float, float] | None = None
+    moving: tuple[float, float] = (0.01, 0.5)
+    rigid: tuple[int, int] = (0, 2)
+    flexible: tuple[int, int] = (0, 2)
+    feet: float = 2 / 3
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be filmed."""
+        spans = (self.moving, self.rigid, self.flexible, self.parallax or (0, 0))
+        if any(not 0 <= low <= high for low, high in spans) or self.moving[1] > 1:
+            raise InputError(
+                f"moving, rigid, flexible and parallax each go from a least to a most, from 0 up, "
+                f"and moving is a share of the picture; got {self}"
+            )
+        if self.frames < 1 or self.rate <= 0 or not 0 <= self.feet <= 1:
+            raise InputError(
+                f"a sequence has >= 1 frames, a rate > 0 and a share of feet from 0 to 1, "
+                f"got {self}"
+            )
+        if self.focal is not None and self.focal <= 0:
+            raise InputError(f"a focal length is more than 0 pixels, got {self.focal:g}")
+
+    def time(self, frame: int) -> float:
+        """Return when a frame is taken, seconds after the first."""
+        return frame / self.rate
+
+    def cast(self, rng: Generator, number: int) -> list[tuple[bool, bool]]:
+        """Return of each mover whether it bends and whether it stands on the ground.
+
+        Args:
+            rng: Draws how many there are.
+            number: Of the sequence. The share `feet` is kept to within one mover over any row
+                of numbers in which all sequences have the same number of movers.
+        """
+        counts = [int(rng.integers(low, high + 1)) for low, high in (self.rigid, self.flexible)]
+        if sum(counts) == 0 and self.flexible[1] + self.rigid[1] > 0:
+            counts = [min(1, self.rigid[1]), min(1, self.flexible[1])]
+        bends = [False] * counts[0] + [True] * counts[1]
+        first = number * len(bends)
+        stands = [
+            floor((first + k + 1) * self.feet) > floor((first + k) * self.feet)
+            for k in range(len(bends))
+        ]
+        return list(zip(bends, stands, strict=True))
