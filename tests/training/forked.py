@@ -104,14 +104,16 @@ def write_pairs(root):
 
 
 def train_two_convolutions(folder):
-    pairs, scores = Folder(folder / "pairs").load(), []
+    pairs, scores, seen = Folder(folder / "pairs").load(), [], []
     torch.manual_seed(0)
     with joined() as place:
         run = Run.started(TwoConvolutions(), TOGETHER, place)
+        run.network.register_forward_pre_hook(lambda _, images: seen.append(len(images[0])))
         terms = {"silog": Term(Silog(0.5))}
         sources = Sources(pairs, pairs, 0)
         train(run, TOGETHER, terms, sources, Silence(), lambda _, score: scores.append(score))
-        found = run.checkpoint({"scores": scores, "places": [place.rank, place.count]})
+        places = [place.rank, place.count]
+        found = run.checkpoint({"scores": scores, "places": places, "seen": seen})
         save(folder / f"{place.count}-{place.rank}.safetensors", found)
 
 

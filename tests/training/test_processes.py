@@ -29,6 +29,10 @@ def test_two_processes_end_with_the_weights_of_one(ends):
             torch.testing.assert_close(value, wanted[name], atol=1e-5, rtol=0)
 
 
+def test_each_process_sees_its_share_of_a_batch(ends):
+    assert [end.settings["seen"] for end in ends] == [[4] * 6, [2] * 6, [2] * 6]
+
+
 def test_each_process_has_the_same_bits(ends):
     _, first, second = ends
     assert second.settings["places"] == [1, 2]
