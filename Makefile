@@ -10,7 +10,7 @@ ALONE := $(BIN)/python -m pip --python .wheel-venv/bin/python
 DEMO := predict $(PHOTO) --preview --points glb --overwrite
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test wheel-test lint unit model bench-quality bench-speed clean
+.PHONY: help demo test wheel-test lint unit model bench-quality bench-speed bench-ego clean
 
 help:  ## list the targets
 	@awk -F ':.*  ## ' '/^[a-z-]+:.*  ## / {printf "%-14s %s\n", $$1, $$2}' Makefile
@@ -52,6 +52,9 @@ bench-quality: .venv/full.stamp  ## error on real pictures with measured depth (
 
 bench-speed: .venv/full.stamp  ## time and memory
 	$(BIN)/python benchmarks/speed.py
+
+bench-ego: .venv/full.stamp  ## the camera's own motion on real pairs (SAMPLES=DIR)
+	$(BIN)/python benchmarks/ego_motion.py --samples $(SAMPLES)
 
 clean:  ## remove the environments, the builds and the caches; depth/ and runs/ stay
 	rm -rf .venv .wheel-venv build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -3,7 +3,7 @@ import os
 
 import pytest
 
-from flexdepth.runtime.atomic import check_writable, replacing
+from flexdepth.runtime.atomic import check_writable, discard_unfinished, replacing
 from flexdepth.runtime.errors import InputError
 
 
@@ -79,3 +79,17 @@ def test_a_folder_that_may_not_be_written_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "access", lambda path, _mode: path != tmp_path)
     with pytest.raises(InputError, match="permission denied"):
         check_writable(tmp_path / "new")
+
+
+def test_what_a_killed_writer_left_is_removed_and_nothing_else(tmp_path):
+    with replacing(tmp_path / "kept.txt") as temporary:
+        left = temporary.name
+        temporary.write_text("kept")
+    for name in (left, ".hidden", "flexdepth-0123.txt"):
+        (tmp_path / name).write_text("")
+    discard_unfinished(tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "kept.txt",
+        ".hidden",
+        "flexdepth-0123.txt",
+    }

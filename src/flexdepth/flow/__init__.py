@@ -1,0 +1,1 @@
+"""Correspondence between two frames without learning."""

@@ -1,0 +1,80 @@
+"""Dense inverse search: optical flow without learning and without a GPU.
+
+References:
+    Kroeger, Timofte, Dai and Van Gool, ECCV 2016.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from flexdepth.flow.field import Flow, FlowField, checked, sampled
+from flexdepth.flow.frames import Image, gray_pair
+from flexdepth.runtime.errors import InputError
+
+_ENOUGH = 0.1
+_ALIKE = 0.85
+# Unrelated frames: the search finds a place for up to a third of the pixels of small ones, but
+# their grays then correlate by .64 to .76; pairs of KITTI, Sintel and 7-Scenes by .96 or more.
+
+_FLOOR = 0.02
+_UNDERSTATEMENT = 2.0
+# Forward and backward search smooth alike and so err alike. Against the true flow of KITTI 2015
+# 000010 and of MPI-Sintel alley_1, pixels sorted by e into fifths, the median error (as a standard
+# deviation) was 0.7 to 1.6 times what this says on KITTI, 0.5 to 0.9 times on Sintel.
+
+
+@dataclass(frozen=True)
+class Dis:
+    """OpenCV's dense inverse search, both ways.
+
+    Attributes:
+        finest: The last level of the pyramid: 0 is the full size, each further one halves it and
+            takes a quarter of the time; at 1 the median error is 1.3 to 1.8 times that at 0.
+        refinements: Steps of variational refinement on each level.
+    """
+
+    finest: int = 0
+    refinements: int = 5
+
+    def between(self, key: Image, target: Image) -> FlowField:
+        """Return the flow from key to target.
+
+        Args:
+            key: Height x width, or height x width x 3 in RGB; 0 to 255.
+            target: Another view of it, of the same size.
+
+        Raises:
+            InputError: The frames differ in size, show nothing, or have nothing in common.
+        """
+        one, other = gray_pair(key, target)
+        found = checked(self._flow(one, other), self._flow(other, one), _UNDERSTATEMENT, _FLOOR)
+        if found.coverage < _ENOUGH:
+            raise InputError(
+                f"only {found.coverage:.0%} of the key frame is found again in the target and "
+                f"back, {_ENOUGH:.0%} are wanted; is there a cut between them? take frames that "
+                "see the same scene, closer in time"
+            )
+        likeness = _likeness(one, other, found)
+        if not likeness >= _ALIKE:  # NaN where nothing that is matched has texture.
+            raise InputError(
+                f"what is matched looks different in the two frames: its grays correlate by "
+                f"{likeness:.2f}, {_ALIKE} is wanted; is there a cut between them? take frames "
+                "that see the same scene"
+            )
+        return found
+
+    def _flow(self, one: Image, other: Image) -> Flow:
+        search = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
+        search.setFinestScale(self.finest)
+        search.setVariationalRefinementIterations(self.refinements)
+        return np.asarray(search.calc(one, other, np.zeros((*one.shape, 2), np.float32)))
+
+
+def _likeness(one: Image, other: Image, field: FlowField) -> float:
+    """Return how the grays of the valid pixels correlate with those where they have gone."""
+    there = sampled(other.astype(np.float32)[..., None], field.flow)[..., 0]
+    seen = field.valid & np.isfinite(there)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return float(np.corrcoef(one[seen], there[seen])[0, 1])
