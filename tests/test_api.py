@@ -13,7 +13,7 @@ from flexdepth.runtime.errors import InputError
 def bundled(make_bundle, monkeypatch):
     """Take the tiny bundle for the one that comes with flexdepth."""
     path = make_bundle()
-    monkeypatch.setattr(model, "_bundled", lambda: path)
+    monkeypatch.setattr(model, "bundled_file", lambda: path)
     flexdepth._bundled.cache_clear()
     yield path
     flexdepth._bundled.cache_clear()

@@ -24,7 +24,7 @@ class Anything:
     root: Path = Path()
 
 
-def silent(_done, _name):
+def silent(_done):
     pass
 
 

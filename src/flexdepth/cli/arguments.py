@@ -6,8 +6,9 @@ from contextlib import contextmanager, redirect_stderr
 
 from flexdepth.runtime.errors import InputError
 
-_RULE = "─"
+_RULE = "─-"
 _FRAME = "│╭╮╰╯ "
+"""What boxes are drawn with; without UTF-8, rules are of hyphens and frames of spaces."""
 
 
 @contextmanager
@@ -40,7 +41,7 @@ def _in_one_line(box: str) -> str:
             parts[-1].append(words)
         else:
             parts.append([])
-    said, *more = parts
+    said, *more = filter(None, parts)
     return "; ".join([" ".join(said), *(f"did you mean {p[1]}?" for p in more if _suggests(p))])
 
 
