@@ -14,7 +14,8 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("chain")
     renders, run = str(folder / "renders"), str(folder / "run")
     assert main(["synth", "-o", renders, "--count", "4", "--width", "64", "--height", "64"]) == 0
-    train = ["train", "compact", "-o", run, "--data.root", renders, "--held-out.root", renders]
+    train = ["train", "compact", "--start", "bundled", "-o", run]
+    train += ["--data.root", renders, "--held-out.root", renders]
     train += ["--loop.iterations", "1", "--loop.batches.size", "2", "--processes", "0"]
     assert main([*train, "--loop.batches.shapes", "64", "64"]) == 0
     bundle = str(folder / "own.onnx")
