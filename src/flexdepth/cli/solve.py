@@ -54,8 +54,7 @@ class Solve:
     fov: Annotated[float | None, tyro.conf.arg(metavar="DEGREES", help_behavior_hint="")] = None
     """Field of view from the left edge to the right, instead of --focal."""
     camera: _File = None
-    """A file with fx fy cx cy, a 3 x 3 matrix, JSON, or a depth file, instead of --focal. The
-    first pixel's centre is 0, as OpenCV has it."""
+    """A file that says fx fy cx cy (see docs/solve.md), instead of --focal."""
     flow_method: Literal["dis", "raft"] = "dis"
     """How the frames are matched: OpenCV's dense inverse search, or torchvision's RAFT."""
     flow_weights: _File = None
@@ -65,8 +64,7 @@ class Solve:
     flow_noise: Annotated[float, tyro.conf.arg(metavar="PIXELS")] = FILE_NOISE
     """How far the flow in --flow errs (one standard deviation)."""
     prior: Annotated[str, tyro.conf.arg(metavar="MODEL|none")] = BUNDLED
-    """Depth from KEY alone, which helps where two frames do not tell: the model that comes with
-    flexdepth, an .onnx bundle, or none for geometry alone."""
+    """Model whose depth of KEY alone helps where two frames do not tell; none: geometry alone."""
     third: _Frame = None
     """One more frame, such as the one before KEY: shows what TARGET hides."""
     stereo: Annotated[Path | None, tyro.conf.arg(metavar="RIGHT", help_behavior_hint="")] = None

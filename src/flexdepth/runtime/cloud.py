@@ -226,7 +226,9 @@ def write_glb(path: Path, shape: Cloud | Mesh | Shown, origin: Origin | None = N
             tree["asset"]["extras"] = {KEY: dict(origin)}
 
     with replacing(path) as temporary:
-        scene.export(str(temporary), file_type="glb", tree_postprocessor=finish)
+        scene.export(  # type: ignore[no-untyped-call]
+            str(temporary), file_type="glb", tree_postprocessor=finish
+        )
 
 
 def _joined(shown: Shown) -> Cloud | Mesh:

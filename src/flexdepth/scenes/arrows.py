@@ -31,7 +31,7 @@ def own_motion(points: Array, motion: tuple[Array, Array], camera: tuple[Array, 
     rotation, translation = motion
     still, way = camera
     moved = np.einsum("nij,nj->ni", rotation, points) + translation
-    return (moved - way) @ still - points
+    return np.asarray((moved - way) @ still - points)
 
 
 def spread_out(mask: NDArray[np.bool_], most: int = MOST) -> NDArray[np.bool_]:
@@ -87,10 +87,8 @@ def _ring(unit: Array) -> Array:
     first /= np.linalg.norm(first, axis=1, keepdims=True)
     second = np.cross(unit, first)
     angle = 2 * np.pi * np.arange(_SIDES) / _SIDES
-    return (
-        np.cos(angle)[None, :, None] * first[:, None]
-        + np.sin(angle)[None, :, None] * second[:, None]
-    )
+    cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    return np.asarray(cosine * first[:, None] + sine * second[:, None])
 
 
 def _pattern() -> NDArray[np.int32]:

@@ -10,6 +10,7 @@ import numpy as np
 from flexdepth.flow.field import Flow, FlowField, checked, given, likeness
 from flexdepth.flow.frames import Image, gray_pair
 from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.opening import open_input
 
 FILE_NOISE = 0.1
 """Pixels: how far flow from a file is taken to err; rendered flow errs less, measured flow more."""
@@ -50,7 +51,8 @@ class RaftFlow:
         Raises:
             InputError: The frames show nothing; the weights are missing, or of another network.
         """
-        # Only here, for everything else does without torch.
+        open_input(self.weights).close()
+        # Only here, for everything else does without torch, which takes seconds to load.
         from flexdepth.networks.flow import Raft  # noqa: PLC0415
 
         gray_pair(key, target)

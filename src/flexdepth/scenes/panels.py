@@ -78,19 +78,20 @@ def magnitude(title: str, values: Floats, unit: str = "", most: float | None = N
     return Panel(title, picture, Bar(palette(), _marks(0.0, top, unit)))
 
 
-def signed(title: str, values: Floats, middle: float, unit: str = "") -> Panel:
+def signed(title: str, values: Floats, middle: float, least: float, unit: str = "") -> Panel:
     """Return a map of numbers around a middle that is white: blue below it, red above.
 
-    Both ends are as far from the middle as all but 1 % of the numbers, at least a thousandth.
+    Both ends are as far from the middle as all but 1 % of the numbers.
 
     Args:
         title: Above it.
         values: Height x width; NaN is unknown, and gray.
         middle: Such as the camera's own.
+        least: The ends are at least so far from the middle.
         unit: Follows the numbers.
     """
     known = np.isfinite(values)
-    reach = max(_quantile(np.abs(values[known] - middle), 99), 1e-3)
+    reach = max(_quantile(np.abs(values[known] - middle), 99), least)
     share = np.clip((np.where(known, values, middle) - middle) / reach, -1, 1)
     picture = _diverging()[np.rint(127.5 * (share + 1)).astype(np.uint8)]
     picture[~known] = UNKNOWN
@@ -183,7 +184,7 @@ def _diverging() -> Pixels:
     share = np.linspace(-1, 1, 256)[:, None]
     ends = np.where(share < 0, np.array(_COLD), np.array(_HOT))
     colours = np.array(_MIDDLE) + np.abs(share) * (ends - np.array(_MIDDLE))
-    return np.rint(colours).astype(np.uint8)
+    return np.asarray(np.rint(colours), np.uint8)
 
 
 def _quantile(values: Floats, percent: float) -> float:
@@ -200,7 +201,7 @@ def _marks(low: float, high: float, unit: str) -> tuple[str, str, str]:
 def _round(value: float, span: float) -> str:
     """Return a number with as many decimals as tell it from others in the span."""
     decimals = int(np.clip(np.ceil(2 - np.log10(max(span, 1e-9))), 0, 5))
-    return f"{value:.{decimals}f}".replace("-", "−")
+    return f"{value:.{decimals}f}"
 
 
 def _percent(share: float) -> str:

@@ -8,7 +8,7 @@ from flexdepth.runtime.colour import SKY, UNKNOWN, Colour, coloured, limits, pal
 from flexdepth.runtime.depthmap import DepthMap, Space
 from flexdepth.scenes.pair import Solution
 from flexdepth.scenes.panels import Bar, Key, Panel, Pixels, kinds, magnitude, sheet, signed
-from flexdepth.scenes.words import summary
+from flexdepth.scenes.words import camera_translation, summary
 from flexdepth.solvers.two_frame import Kind, TwoFrame
 
 _STATIC: Colour = (120, 156, 214)
@@ -37,6 +37,11 @@ _REASONS: tuple[tuple[str, Colour], ...] = (
 """By the numbers of `Unknown`."""
 
 _THREE = ("x", "y", "z")
+
+_SHARE, _ALONE = "The single-image depth's share (0 to 1)", "Depth from the key frame alone"
+
+_LEAST_TURN, _LEAST_WAY = 0.1, 0.05
+"""Degrees, and shares of the camera's way: smaller differences are not drawn in full colour."""
 
 
 def region_colours(found: TwoFrame) -> Pixels:
@@ -75,17 +80,26 @@ def motion_panels(solution: Solution) -> list[Panel]:
     White is the camera's own motion, so that what moves by itself shows.
     """
     found = solution.found
+    still = found.camera_motion.pose
+    own = np.degrees(cv2.Rodrigues(still.rotation)[0]).ravel(), camera_translation(found)
+    turns = _three("k", "rotation n", np.degrees(found.rotation), own[0])
+    ways = _three("t", "translation t", found.translation, own[1])
     unit = " m" if found.metric else ""
-    made = []
-    for sign, name, maps, unit_of in (
-        ("k", "rotation n", np.degrees(found.rotation), "°"),
-        ("t", "translation t", found.translation, unit),
-    ):
-        for axis, letter in enumerate(_THREE):
-            values = maps[..., axis]
-            middle = float(np.median(values[~found.moving])) if not found.moving.all() else 0.0
-            made.append(signed(f"{sign}{letter}: {name}, {letter}", values, middle, unit_of))
-    return made
+    least = _LEAST_WAY * (float(np.linalg.norm(own[1])) or 1.0)
+    return [
+        *(signed(*each, _LEAST_TURN, "°") for each in turns),
+        *(signed(*each, least, unit) for each in ways),
+    ]
+
+
+def _three(
+    sign: str, name: str, maps: NDArray[np.float64], own: NDArray[np.float64]
+) -> list[tuple[str, NDArray[np.float64], float]]:
+    """Return title, map and the camera's own number of each component."""
+    return [
+        (f"{sign}{letter}: {name}, {letter}", maps[..., axis], float(own[axis]))
+        for axis, letter in enumerate(_THREE)
+    ]
 
 
 def motion_picture(solution: Solution) -> Pixels:
@@ -115,14 +129,10 @@ def _panels(solution: Solution) -> list[Panel]:
         kinds("Why a pixel has no depth", found.unknown, _REASONS),
         _regions(solution),
         magnitude("How sure the scale of each part is (0 to 1)", solution.confidence, most=1.0),
-        Panel("The single-image depth's share (0 to 1)", None)
-        if share is None
-        else magnitude("The single-image depth's share (0 to 1)", share, most=1.0),
+        Panel(_SHARE, None) if share is None else magnitude(_SHARE, share, most=1.0),
         magnitude("Parallax", np.abs(found.parallax), " px"),
         magnitude("Residual: flow that is not explained", found.residual, " px"),
-        Panel("Depth from the key frame alone", None)
-        if solution.prior is None
-        else _depth("Depth from the key frame alone", solution.prior),
+        Panel(_ALONE, None) if solution.prior is None else _depth(_ALONE, solution.prior),
         *motion_panels(solution),
     ]
 
@@ -139,13 +149,13 @@ def _key(solution: Solution) -> Panel:
 def _flow(solution: Solution) -> Panel:
     """Return the flow in colours: hue is the direction, red to the right; white stands still."""
     field = solution.flow
-    known = np.isfinite(field.flow).all(axis=-1)
+    known = np.asarray(np.isfinite(field.flow).all(axis=-1))
     flow = np.where(known[..., None], field.flow, 0)
     length = np.linalg.norm(flow, axis=-1)
     full = max(float(np.percentile(length[known], 99)), 1e-6) if known.any() else 1.0
     hue = np.degrees(np.arctan2(flow[..., 1], flow[..., 0])) % 360 / 2
     bands = np.stack([hue, 255 * np.clip(length / full, 0, 1), np.full_like(hue, 255)], -1)
-    picture = np.asarray(cv2.cvtColor(bands.astype(np.uint8), cv2.COLOR_HSV2RGB))
+    picture = np.asarray(cv2.cvtColor(bands.astype(np.uint8), cv2.COLOR_HSV2RGB), np.uint8)
     picture[~known] = UNKNOWN
     legend = {f"right (full colour {full:.1f} px)": (255, 0, 0), "down": (128, 255, 0)}
     legend |= {"left": (0, 255, 255), "up": (128, 0, 255)}

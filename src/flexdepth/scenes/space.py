@@ -9,7 +9,7 @@ from flexdepth.runtime.surface import rays
 from flexdepth.scenes.arrows import arrows, own_motion, spread_out
 from flexdepth.scenes.pair import Solution
 from flexdepth.scenes.picture import region_colours
-from flexdepth.scenes.words import position
+from flexdepth.scenes.words import camera_translation, position
 
 _MOST_POINTS = 500_000
 """Enough to look at on any machine."""
@@ -40,7 +40,7 @@ def _movers(solution: Solution) -> Mesh:
     here = rays(row, column, solution.camera).astype(np.float64) * z[:, None]
     pose = found.camera_motion.pose
     motion = _matrices(found.rotation[chosen]), found.translation[chosen].astype(np.float64)
-    still = pose.rotation, _camera_translation(solution)
+    still = pose.rotation, camera_translation(found)
     ways = own_motion(here, motion, still)
     return arrows(here, ways, region_colours(found)[found.labels[chosen]], z)
 
@@ -52,11 +52,6 @@ def _way(solution: Solution, positions: NDArray[np.float32]) -> Mesh:
         return arrows(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), np.uint8), np.zeros(0))
     near = np.percentile(positions[:, 2], 20, keepdims=True).astype(np.float64)
     return arrows(np.zeros((1, 3)), way, np.array([_CAMERA], np.uint8), near)
-
-
-def _camera_translation(solution: Solution) -> NDArray[np.float64]:
-    """Return t of the static world in the unit of depth."""
-    return -solution.found.camera_motion.pose.rotation @ position(solution.found)
 
 
 def _matrices(twists: NDArray[np.float64]) -> NDArray[np.float64]:

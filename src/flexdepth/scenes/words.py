@@ -3,6 +3,7 @@
 from math import atan, degrees
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexdepth.runtime.depthmap import FocalSource
 from flexdepth.scenes.pair import Solution
@@ -35,16 +36,23 @@ _WITHOUT = {
 }
 
 
-def position(found: TwoFrame) -> np.ndarray:
-    """Return where the camera is in the target frame, in the key camera's axes."""
-    pose = found.camera_motion.pose
-    return -pose.rotation.T @ pose.translation
+def camera_translation(found: TwoFrame) -> NDArray[np.float64]:
+    """Return t of the camera's own X_target = R X_key + t, in the unit of depth."""
+    still = np.asarray(found.labels == 0)
+    if found.metric and still.any():
+        return np.asarray(np.median(found.translation[still], axis=0), np.float64)
+    return found.camera_motion.pose.translation
+
+
+def position(found: TwoFrame) -> NDArray[np.float64]:
+    """Return where the camera is in the target frame, in the key camera's axes and depth's unit."""
+    return -found.camera_motion.pose.rotation.T @ camera_translation(found)
 
 
 def camera_words(solution: Solution) -> list[str]:
     """Return what the camera has done, in a line or two."""
     motion = solution.found.camera_motion
-    turn = f"turned {degrees(angle(motion.pose.rotation)):.2f}°"
+    turn = f"turned {degrees(angle(motion.pose.rotation)):.2f} degrees"
     match motion.kind:
         case MotionKind.STILL:
             return ["The camera has stood still, as far as the frames tell."]
@@ -57,7 +65,7 @@ def camera_words(solution: Solution) -> list[str]:
         for pair, value in zip(_WAYS, unit, strict=True)
         if abs(value) > _ASIDE
     ]
-    numbers = ", ".join(f"{value:.3f}" for value in unit).replace("-", "−")
+    numbers = ", ".join(f"{value:.3f}" for value in unit)
     size = f"{np.linalg.norm(way):.3g} m " if solution.found.metric else ""
     line = f"The camera went {size}{' and '.join(names)} (x, y, z: {numbers}) and {turn}."
     if motion.kind is MotionKind.PLANE and motion.alternative is not None:
@@ -114,8 +122,8 @@ def cautions(solution: Solution) -> list[str]:
         width, _ = solution.views.size
         view = 2 * degrees(atan(width / 2 / camera.focal_x))
         lines.append(
-            f"the focal length is not known, {camera.focal_x:.0f} px is assumed (a field of view "
-            f"of {view:.0f}°): angles and shapes hang on it; --focal, --fov or --camera says it"
+            f"the focal length is not known, {camera.focal_x:.0f} px is assumed (a view of "
+            f"{view:.0f} degrees): angles and shapes hang on it; --focal, --fov or --camera says it"
         )
     motion = found.camera_motion
     if not motion.translates:
