@@ -45,7 +45,7 @@ def frames(here):
 
 
 @pytest.fixture
-def solve(frames, capsys):
+def solve(frames, capsys):  # noqa: ARG001 - the frames lie in the current folder
     """Run `flexdepth solve a.png b.png` by geometry alone; return exit code, stdout, stderr."""
 
     def run(*arguments, pair=("a.png", "b.png"), prior="none"):
@@ -191,7 +191,8 @@ def test_frames_without_texture_or_with_a_cut_are_told(solve):
         assert said in err
 
 
-def test_one_argument_alone_asks_for_the_other(here, capsys):
+@pytest.mark.usefixtures("here")
+def test_one_argument_alone_asks_for_the_other(capsys):
     assert main(["solve", "a.png"]) == 2
     assert "TARGET" in capsys.readouterr().err
 
