@@ -9,7 +9,7 @@ from flexdepth.runtime.cloud import Mesh
 
 Array = NDArray[np.float64]
 
-MOST = 800
+MOST = 400
 """Arrows of a picture: more hide what they stand for."""
 
 _SIDES = 5

@@ -198,6 +198,11 @@ def _marks(low: float, high: float, unit: str) -> tuple[str, str, str]:
     return word(low), word((low + high) / 2), word(high)
 
 
+def number(value: float) -> str:
+    """Return a number with three digits that tell, and no power of ten."""
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
+
+
 def _round(value: float, span: float) -> str:
     """Return a number with as many decimals as tell it from others in the span."""
     decimals = int(np.clip(np.ceil(2 - np.log10(max(span, 1e-9))), 0, 5))

@@ -8,7 +8,7 @@ from flexdepth.runtime.colour import SKY, UNKNOWN, Colour, coloured, limits, pal
 from flexdepth.runtime.depthmap import DepthMap, Space
 from flexdepth.scenes.own_motion import own_ways
 from flexdepth.scenes.pair import Solution
-from flexdepth.scenes.panels import Bar, Key, Panel, Pixels, kinds, magnitude, sheet, signed
+from flexdepth.scenes.panels import Bar, Key, Panel, Pixels, kinds, magnitude, number, sheet, signed
 from flexdepth.scenes.words import camera_translation, summary
 from flexdepth.solvers.two_frame import Kind, TwoFrame
 
@@ -185,7 +185,7 @@ def _depth(title: str, depth: DepthMap) -> Panel:
     if ends.empty:
         return Panel(f"{title}: nowhere known", coloured(depth, ends), Key({"unknown": UNKNOWN}))
     middle = (ends.nearest * ends.farthest) ** 0.5
-    words = tuple(f"{value:.3g}{unit}" for value in (ends.nearest, middle, ends.farthest))
+    words = tuple(f"{number(value)}{unit}" for value in (ends.nearest, middle, ends.farthest))
     named = f"{title}, {'metres' if unit else 'camera steps' if title == 'Depth' else 'relative'}"
     bar = Bar(palette()[::-1], (f"near {words[0]}", words[1], f"far {words[2]}"))
     return Panel(f"{named} (gray unknown, blue sky)", coloured(depth, ends), bar)
