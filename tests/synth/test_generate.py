@@ -70,8 +70,8 @@ def test_other_numbers_and_seeds_are_other_images():
 
 
 def test_streets_have_sky_and_rooms_do_not():
-    outside, _ = rendered(SynthSettings(0, 64, 48, street_share=1.0), 0)
-    inside, _ = rendered(SynthSettings(0, 64, 48, street_share=0.0), 0)
+    outside, _ = rendered(SynthSettings(0, 64, 48, outdoor_share=1.0), 0)
+    inside, _ = rendered(SynthSettings(0, 64, 48, outdoor_share=0.0), 0)
     assert np.isinf(outside.depth).any()
     assert np.isfinite(inside.depth).all()
     assert inside.depth.max() < 20
