@@ -37,6 +37,27 @@ class Sun:
 
 
 @dataclass(frozen=True, eq=False)
+class Beam:
+    """Sunlight that comes into a room through a window in a wall that is otherwise closed.
+
+    Attributes:
+        corner: A corner of the opening, metres.
+        along: From there to the next corner.
+        up: And to the other neighbour.
+        panes: Panes in a row and in a column; the bars between them cast shadows.
+        towards: Unit vector to the sun.
+        power: Red, green, blue irradiance on a surface that faces the sun.
+    """
+
+    corner: NDArray[np.float64]
+    along: NDArray[np.float64]
+    up: NDArray[np.float64]
+    panes: int
+    towards: NDArray[np.float64]
+    power: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
 class Scene:
     """Everything that is rendered.
 
@@ -51,6 +72,8 @@ class Scene:
         clouds: Share of the sky that is clouded.
         eyes: Region where cameras stand, low corner and high corner, metres.
         outdoors: Whether cameras look as cars and walkers do, along z, or around a room.
+        beams: Sunlight through windows.
+        subjects: Regions worth a look from near, low corner and high corner, metres.
         road: Half the width of a road on y = 0 along z, in the middle; 0 where there is none.
     """
 
@@ -65,3 +88,5 @@ class Scene:
     eyes: tuple[NDArray[np.float64], NDArray[np.float64]]
     outdoors: bool
     road: float = 0.0
+    beams: tuple[Beam, ...] = ()
+    subjects: tuple[tuple[NDArray[np.float64], NDArray[np.float64]], ...] = ()
