@@ -19,12 +19,16 @@ class Material:
         colours: Three linear albedos (or emitted colours), rows of red, green, blue.
         size: Metres after which the pattern repeats, along u and v.
         glow: Light it emits in units of its colour: 0 for everything but lamps and windows.
+        gloss: Share of the light from straight ahead that it mirrors; more from aside.
+        ripple: How steep the waves on it are: water.
     """
 
     pattern: str
     colours: NDArray[np.float64]
     size: tuple[float, float]
     glow: float = 0.0
+    gloss: float = 0.0
+    ripple: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,9 +90,23 @@ _NATURE: dict[str, tuple[tuple[str, ...], tuple[float, float, float], tuple[floa
     "skin": (("plain",), (0.5, 0.33, 0.25), (0.3, 0.6)),
     "roof": (("tiles", "bricks", "stripes"), (0.25, 0.12, 0.09), (1.0, 3.0)),
     "glass": (("mottled", "plain"), (0.05, 0.06, 0.08), (1.0, 3.0)),
+    "soil": (("mottled", "speckled", "spots"), (0.16, 0.11, 0.075), (0.6, 4.0)),
+    "sand": (("mottled", "speckled", "plain"), (0.45, 0.36, 0.24), (0.6, 4.0)),
+    "gravel": (("speckled", "spots"), (0.3, 0.28, 0.25), (0.3, 1.5)),
+    "snow": (("plain", "mottled"), (0.82, 0.84, 0.88), (1.0, 5.0)),
+    "rock": (("mottled", "spots", "speckled"), (0.25, 0.23, 0.21), (0.8, 6.0)),
+    "straw": (("speckled", "wood", "mottled"), (0.42, 0.3, 0.11), (0.3, 2.0)),
+    "wood far": (("speckled", "spots"), (0.05, 0.09, 0.035), (8.0, 40.0)),
+    "autumn": (("speckled", "mottled"), (0.3, 0.14, 0.03), (0.3, 1.5)),
+    "blossom": (("speckled", "plain"), (0.6, 0.4, 0.45), (0.3, 1.0)),
+    "water": (("mottled", "plain"), (0.02, 0.045, 0.05), (3.0, 12.0)),
     "paint": (("plain", "speckled"), (0.75, 0.75, 0.72), (0.5, 2.0)),
     "tyre": (("plain",), (0.02, 0.02, 0.02), (0.3, 0.5)),
 }  # fmt: skip
+
+
+_SMOOTH = {"glass": (0.08, 0.0), "water": (0.03, 0.03)}
+"""Kinds that mirror: the share from straight ahead, and the steepest waves."""
 
 
 def material(rng: Generator, kind: str) -> Material:
@@ -97,7 +115,14 @@ def material(rng: Generator, kind: str) -> Material:
         patterns, base, span = _NATURE[kind]
         tinted = np.asarray(base) * np.exp(rng.normal(0, 0.3)) * np.exp(rng.normal(0, 0.12, 3))
         size = rng.uniform(*span)
-        return Material(str(rng.choice(patterns)), _around(rng, tinted, 0.35), (size, size))
+        gloss, ripple = _SMOOTH.get(kind, (0.0, 0.0))
+        return Material(
+            str(rng.choice(patterns)),
+            _around(rng, tinted, rng.uniform(0.25, 0.75)),
+            (size, size),
+            gloss=gloss,
+            ripple=ripple * float(rng.uniform(0, 1)) ** 2,
+        )
     patterns, spread, span = _KINDS[kind]
     bright = (0.35, 0.9) if kind in ("ceiling", "wall") and rng.random() < 0.7 else (0.04, 0.8)
     colours = _around(rng, colour(rng, 0.25 if kind == "ceiling" else 0.7, bright), spread)

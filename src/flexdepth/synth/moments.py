@@ -185,5 +185,7 @@ def _with_parts(rng: Generator, stage: Stage, parts: list[Part]) -> Stage:
         colours=np.concatenate([stage.colours, more.colours]),
         size=np.concatenate([stage.size, more.size]),
         glow=np.concatenate([stage.glow, more.glow]),
+        gloss=np.concatenate([stage.gloss, more.gloss]),
+        ripple=np.concatenate([stage.ripple, more.ripple]),
         layer=np.concatenate([stage.layer, more.layer]),
     )

@@ -9,8 +9,9 @@ from embreex.rtcore_scene import EmbreeScene
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from flexdepth.synth.patterns import SIZE, Library, fractal
+from flexdepth.synth.patterns import SIZE, Library
 from flexdepth.synth.scene import AreaLight, Scene, Sun
+from flexdepth.synth.skylight import Dome
 from flexdepth.synth.viewpoints import Viewpoint
 
 Array = NDArray[np.float32]
@@ -68,6 +69,8 @@ class Stage:
     colours: Array
     size: Array
     glow: Array
+    gloss: Array
+    ripple: Array
     layer: NDArray[np.intp]
     library: Library
 
@@ -87,6 +90,8 @@ class Stage:
             colours=np.array([m.colours for m in materials], np.float32),
             size=np.array([m.size for m in materials], np.float32),
             glow=np.array([m.glow for m in materials], np.float32),
+            gloss=np.array([m.gloss for m in materials], np.float32),
+            ripple=np.array([m.ripple for m in materials], np.float32),
             layer=np.array([library.layer(rng, m.pattern) for m in materials]),
             library=library,
         )
@@ -110,7 +115,9 @@ def render(
     focal = view.focal * float(np.hypot(width, height))
     rays = _camera_rays(width, height, focal)
     hits, depth = _first_hits(stage, view, rays, focal)
-    light = _sky(weather or rng, stage.scene, rays @ view.world_from_camera.T.astype(np.float32))
+    directions = rays @ view.world_from_camera.T.astype(np.float32)
+    dome = Dome.drawn(weather or rng, stage.scene)
+    light = dome.light(directions)
     emitted, albedo = _surface_colours(stage, hits)
     irradiance = np.zeros_like(light)
     irradiance[hits.pixel] = _ambient(rng, stage, hits)
@@ -121,7 +128,9 @@ def render(
     guide = np.zeros_like(light)
     guide[hits.pixel] = 0.5 * hits.normal + np.log(depth.reshape(-1)[hits.pixel, None])
     smooth = _denoised(irradiance.reshape(height, width, 3), guide.reshape(height, width, 3))
-    light[hits.pixel] = emitted + albedo * smooth.reshape(-1, 3)[hits.pixel]
+    own = emitted + albedo * smooth.reshape(-1, 3)[hits.pixel]
+    own = _mirrored(stage, dome, hits, directions[hits.pixel], own)
+    light[hits.pixel] = _hazy(stage.scene, dome, hits, view.eye, own)
     return Rendering(light.reshape(height, width, 3), depth.reshape(height, width), focal)
 
 
@@ -135,11 +144,13 @@ def worth_taking(stage: Stage, view: Viewpoint, aspect: float) -> bool:
     width = round(height * aspect)
     focal = view.focal * float(np.hypot(width, height))
     hits, depth = _first_hits(stage, view, _camera_rays(width, height, focal), focal)
-    if len(hits.pixel) < 0.4 * len(depth):
+    if len(hits.pixel) < (0.25 if stage.scene.outdoors else 0.4) * len(depth):
         return False
     near, middle, far = np.percentile(depth[hits.pixel], (4, 50, 95))
     things = np.unique(stage.material[hits.triangle]).size
-    return bool(near > 0.35 and middle > 0.8 and far > 1.5 * near and things >= 7)
+    nearest = stage.scene.nearest
+    varied = far > 1.5 * near and things >= stage.scene.variety
+    return bool(near > nearest and middle > 2.3 * nearest and varied)
 
 
 def _camera_rays(width: int, height: int, focal: float) -> Array:
@@ -156,9 +167,14 @@ def _first_hits(stage: Stage, view: Viewpoint, rays: Array, focal: float) -> tup
     """
     directions = rays @ view.world_from_camera.T.astype(np.float32)
     origins = np.broadcast_to(view.eye.astype(np.float32), directions.shape).copy()
+    return _met(stage, origins, directions, focal)
+
+
+def _met(stage: Stage, origins: Array, directions: Array, focal: float) -> tuple[_Hits, Array]:
+    """Return the surfaces that rays meet and each ray's parameter there; +inf where none is."""
     found = stage.tracer.run(origins, directions, output=1)
     pixel = np.flatnonzero(found["primID"] >= 0)
-    depth = np.full(len(rays), np.inf, np.float32)
+    depth = np.full(len(origins), np.inf, np.float32)
     depth[pixel] = found["tfar"][pixel]
     normal = found["Ng"][pixel]
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-20)
@@ -236,16 +252,63 @@ def _denoised(irradiance: Array, guide: Array) -> Array:
     return np.asarray(cv2.ximgproc.jointBilateralFilter(guide, bounded, 7, 0.15, 2.0), np.float32)
 
 
-def _sky(rng: Generator, scene: Scene, directions: Array) -> Array:
-    """Return the sky's light along each direction: a gradient with clouds."""
-    unit = directions / np.linalg.norm(directions, axis=1, keepdims=True)
-    height = np.clip(unit[:, 1], 0, 1)
-    gradient = scene.horizon + (height[:, None] ** 0.6) * (scene.zenith - scene.horizon)
-    if scene.clouds == 0:
-        return np.asarray(gradient, np.float32)
-    field = fractal(rng, 1.6).astype(np.float32)
-    plane = unit[:, [0, 2]] / (height[:, None] + 0.12)
-    texel = np.floor(plane * SIZE * 0.12).astype(int) % SIZE
-    cover = np.clip((field[texel[:, 0], texel[:, 1]] - 1 + scene.clouds) * 3, 0, 1)[:, None]
-    white = float(scene.horizon.mean()) * rng.uniform(0.6, 1.3)
-    return np.asarray(gradient + cover * (white - gradient), np.float32)
+def _mirrored(stage: Stage, dome: Dome, hits: _Hits, directions: Array, own: Array) -> Array:
+    """Return the light of the surfaces with what smooth ones mirror; more, the flatter the look.
+
+    References:
+        Schlick, Computer Graphics Forum 1994, eq. 15, for the share that is mirrored.
+    """
+    smooth = np.flatnonzero(stage.gloss[stage.material[hits.triangle]] > 0)
+    if not smooth.size:
+        return own
+    kind = stage.material[hits.triangle[smooth]]
+    unit = directions[smooth] / np.linalg.norm(directions[smooth], axis=1, keepdims=True)
+    normal = _rippled(hits, smooth, stage.ripple[kind])
+    facing = (unit * normal).sum(1, keepdims=True)
+    away = (unit - 2 * facing * normal).astype(np.float32)
+    # A ripple may not send light into its own surface.
+    away -= (
+        np.minimum((away * hits.normal[smooth]).sum(1, keepdims=True) - 0.01, 0)
+        * (hits.normal[smooth])
+    )
+    seen = dome.light(away)
+    others, _ = _met(stage, hits.point[smooth], away, 1.0)
+    emitted, albedo = _surface_colours(stage, others)
+    lit = 0.8 * stage.scene.ambient
+    if stage.scene.sun is not None:
+        lit = lit + np.maximum(others.normal @ stage.scene.sun.towards, 0)[:, None] * (
+            0.8 * stage.scene.sun.power
+        )
+    seen[others.pixel] = emitted + albedo * lit
+    least = stage.gloss[kind][:, None]
+    share = least + (1 - least) * (1 - np.clip(np.abs(facing), 0, 1)) ** 5
+    mixed = own.copy()
+    mixed[smooth] += share * (seen - own[smooth])
+    return mixed
+
+
+def _rippled(hits: _Hits, which: NDArray[np.intp], ripple: Array) -> Array:
+    """Return normals, tipped by waves where a surface has them."""
+    normal = hits.normal[which]
+    if not ripple.any():
+        return normal
+    place = hits.point[which][:, [0, 2]]
+    tip = np.zeros_like(normal)
+    for number in np.array([(2.1, 9.0), (-5.3, 14.0), (13.0, 31.0), (0.7, 3.1), (-23.0, 47.0)]):
+        # Waves shorter than two pixels are not seen as such.
+        length = 2 * np.pi / np.hypot(*number)
+        seen = np.clip(length / (2 * hits.footprint[which]), 0, 1) ** 2
+        tip[:, [0, 2]] += (np.cos(place @ number) * seen)[:, None] * (0.3, 1.0)
+    tipped = normal + ripple[:, None] * tip
+    return np.asarray(tipped / np.linalg.norm(tipped, axis=1, keepdims=True), np.float32)
+
+
+def _hazy(scene: Scene, dome: Dome, hits: _Hits, eye: NDArray[np.float64], light: Array) -> Array:
+    """Return the light that is left after the air between, and what the air adds of its own."""
+    if scene.haze == 0 or not hits.pixel.size:
+        return light
+    path = hits.point - eye
+    distance = np.linalg.norm(path, axis=1, keepdims=True)
+    kept = np.exp(-scene.haze * distance)
+    level = path / distance * (1, 0, 1) + (0, 0.03, 0)
+    return np.asarray(kept * light + (1 - kept) * dome.light(level.astype(np.float32)), np.float32)
