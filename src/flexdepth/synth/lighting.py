@@ -2,15 +2,20 @@
 
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import NDArray
 
-from flexdepth.synth.patterns import SIZE, fractal
-from flexdepth.synth.scene import AreaLight, Beam, Scene, Sun
+from flexdepth.synth.patterns import SIZE
+from flexdepth.synth.scene import AreaLight, Beam, Sun
+from flexdepth.synth.skylight import Dome
 from flexdepth.synth.stage import Array, Hits, Stage, dot, unit
 
 AMBIENT_RAYS = 2
 SHADOW_RAYS = 3
 _SOFTNESS = 0.15
 """Square metres added to a lamp's square distance: no lamp is a point."""
+
+_GLANCE = 400.0
+"""Pixels of focal length that decide how fine a texture is when seen in a mirror."""
 
 
 def surface_colours(stage: Stage, hits: Hits) -> tuple[Array, Array]:
@@ -36,7 +41,7 @@ def irradiance(rng: Generator, stage: Stage, hits: Hits) -> Array:
     return total
 
 
-def mirrored(rng: Generator, stage: Stage, hits: Hits) -> tuple[Array, Array]:
+def mirrored(rng: Generator, stage: Stage, dome: Dome, hits: Hits) -> tuple[Array, Array]:
     """Return the share of light that each hit mirrors, and that light.
 
     The share follows Schlick, An inexpensive BRDF model for physically-based rendering, 1994.
@@ -50,14 +55,16 @@ def mirrored(rng: Generator, stage: Stage, hits: Hits) -> tuple[Array, Array]:
         return share, light
     gloss, rough = stage.gloss[material[shiny], None], stage.rough[material[shiny], None]
     wild = rough * rng.standard_normal((len(shiny), 3), np.float32)
-    normal = unit(hits.shading[shiny] + wild)
+    waves = _waves(hits, shiny, stage.ripple[material[shiny]])
+    normal = unit(hits.shading[shiny] + wild + waves)
     towards = hits.towards[shiny]
     cosine = np.clip(dot(normal, towards), 0, 1)[:, None]
     share[shiny] = gloss + np.maximum(0, 1 - rough * 2) * (1 - gloss) * (1 - cosine) ** 5
     away = (2 * cosine * normal - towards).astype(np.float32)
-    start = hits.point[shiny]
-    seen, _ = stage.hits(start, away, 400.0)
-    other = sky(rng, stage.scene, away, calm=True)
+    # Neither a wave nor a smooth normal may send light into the triangle itself.
+    away -= np.minimum(dot(away, hits.normal[shiny]) - 0.01, 0)[:, None] * hits.normal[shiny]
+    seen, _ = stage.hits(hits.point[shiny], away, _GLANCE)
+    other = dome.light(away)
     emitted, albedo = surface_colours(stage, seen)
     # One stray ray that meets a lamp would be a spark.
     other[seen.ray] = np.minimum(emitted, 6) + albedo * _plain_light(stage, seen)
@@ -65,19 +72,18 @@ def mirrored(rng: Generator, stage: Stage, hits: Hits) -> tuple[Array, Array]:
     return share, light
 
 
-def sky(rng: Generator, scene: Scene, directions: Array, calm: bool = False) -> Array:
-    """Return the sky's light along each direction: a gradient with clouds unless it is calm."""
-    way = unit(directions)
-    height = np.clip(way[:, 1], 0, 1)
-    gradient = scene.horizon + (height[:, None] ** 0.6) * (scene.zenith - scene.horizon)
-    if scene.clouds == 0 or calm:
-        return np.asarray(gradient, np.float32)
-    field = fractal(rng, 1.6).astype(np.float32)
-    plane = way[:, [0, 2]] / (height[:, None] + 0.12)
-    texel = np.floor(plane * SIZE * 0.12).astype(int) % SIZE
-    cover = np.clip((field[texel[:, 0], texel[:, 1]] - 1 + scene.clouds) * 3, 0, 1)[:, None]
-    white = float(scene.horizon.mean()) * rng.uniform(0.6, 1.3)
-    return np.asarray(gradient + cover * (white - gradient), np.float32)
+def _waves(hits: Hits, which: NDArray[np.intp], ripple: Array) -> Array:
+    """Return what waves add to the normals, where a surface has them."""
+    tip = np.zeros((len(which), 3), np.float32)
+    if not ripple.any():
+        return tip
+    place = hits.point[which][:, [0, 2]]
+    for number in np.array([(2.1, 9.0), (-5.3, 14.0), (13.0, 31.0), (0.7, 3.1), (-23.0, 47.0)]):
+        # Waves shorter than two pixels are not seen as such.
+        length = 2 * np.pi / np.hypot(*number)
+        seen = np.clip(length / (2 * hits.footprint[which]), 0, 1) ** 2
+        tip[:, [0, 2]] += (np.cos(place @ number) * seen)[:, None] * (0.3, 1.0)
+    return np.asarray(ripple[:, None] * tip, np.float32)
 
 
 def _ambient(rng: Generator, stage: Stage, hits: Hits) -> Array:

@@ -24,6 +24,7 @@ class Material:
         gloss: Share of the light from straight ahead that it mirrors: 0 for dull things, 0.04 for
             varnish and plastic, 0.9 for mirrors.
         rough: How far mirrored rays stray, as a standard deviation of the unit normal.
+        ripple: How steep the waves on it are: water.
     """
 
     pattern: str
@@ -32,6 +33,7 @@ class Material:
     glow: float = 0.0
     gloss: float = 0.0
     rough: float = 0.0
+    ripple: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,8 +72,9 @@ def material(rng: Generator, kind: str) -> Material:
         )
         size = rng.uniform(*nature.span)
         pattern = str(rng.choice(nature.patterns))
-        colours = _inked(rng, pattern, _around(rng, tinted, 0.35))
-        return Material(pattern, colours, (size, size), 0.0, nature.gloss, nature.rough)
+        colours = _inked(rng, pattern, _around(rng, tinted, rng.uniform(0.25, 0.75)))
+        ripple = nature.ripple * float(rng.random()) ** 2
+        return Material(pattern, colours, (size, size), 0.0, nature.gloss, nature.rough, ripple)
     sort = KINDS[kind]
     pattern = str(rng.choice(sort.patterns))
     colours = _around(rng, colour(rng, sort.saturation, sort.bright), sort.spread)

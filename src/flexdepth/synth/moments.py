@@ -189,5 +189,6 @@ def _with_parts(rng: Generator, stage: Stage, parts: list[Part]) -> Stage:
         glow=np.concatenate([stage.glow, more.glow]),
         gloss=np.concatenate([stage.gloss, more.gloss]),
         rough=np.concatenate([stage.rough, more.rough]),
+        ripple=np.concatenate([stage.ripple, more.ripple]),
         layer=np.concatenate([stage.layer, more.layer]),
     )

@@ -62,6 +62,7 @@ class Stage:
         glow: Light it emits.
         gloss: Share of the light that it mirrors.
         rough: How far mirrored rays stray.
+        ripple: How steep its waves are.
         layer: Its texture in the library.
         library: The textures.
     """
@@ -76,6 +77,7 @@ class Stage:
     glow: Array
     gloss: Array
     rough: Array
+    ripple: Array
     layer: NDArray[np.intp]
     library: Library
 
@@ -98,6 +100,7 @@ class Stage:
             glow=np.array([m.glow for m in materials], np.float32),
             gloss=np.array([m.gloss for m in materials], np.float32),
             rough=np.array([m.rough for m in materials], np.float32),
+            ripple=np.array([m.ripple for m in materials], np.float32),
             layer=np.array([library.layer(rng, m.pattern) for m in materials]),
             library=library,
         )

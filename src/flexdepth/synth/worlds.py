@@ -8,6 +8,8 @@ from collections.abc import Callable
 
 from numpy.random import Generator
 
+from flexdepth.synth.close_ups import close_up, flowers, hoop
+from flexdepth.synth.landscapes import landscape
 from flexdepth.synth.rooms import cellar, cookery, corridor, home, office, shop
 from flexdepth.synth.scene import Scene
 from flexdepth.synth.streets import street
@@ -25,8 +27,12 @@ INDOORS: tuple[tuple[float, Make], ...] = (
 """Kinds of scenes under a roof, each with its share; only the shares' ratios count."""
 
 OUTDOORS: tuple[tuple[float, Make], ...] = (
-    (1.0, street),
-)  # fmt: skip
+    (0.46, street),
+    (0.32, landscape),
+    (0.09, flowers),
+    (0.11, close_up),
+    (0.02, hoop),
+)
 """Kinds of scenes under the sky, likewise."""
 
 
