@@ -1,15 +1,21 @@
 """Streets: a road along z between pavements, houses, gardens, trees and parked cars."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.random import Generator
 
-from flexdepth.synth.furniture import Parts, person, placed
+from flexdepth.synth.bystanders import bystander
+from flexdepth.synth.furniture import Parts, placed
+from flexdepth.synth.landscapes import under
 from flexdepth.synth.materials import Part, material
-from flexdepth.synth.outdoor_things import bicycle, bush, fence, house, pole, tree, vehicle
-from flexdepth.synth.scene import Scene, Sun
+from flexdepth.synth.outdoor_things import bicycle, fence, house, pole, vehicle
+from flexdepth.synth.scene import Scene
 from flexdepth.synth.shapes import Mesh, blob, box, joined, quad
+from flexdepth.synth.skies import weather
+from flexdepth.synth.trees import far_tree, shrub, tree
+from flexdepth.synth.viewpoints import ON_ROADS
 
 _REACH = 140.0
 """Metres of street in front of and behind the middle."""
@@ -24,42 +30,14 @@ def street(rng: Generator) -> Scene:
         parts += _roadside(rng, side, half_road, pavement)
     parts += _traffic(rng, half_road)
     parts += _far(rng)
-    bright = rng.uniform(0.6, 1.4)
-    zenith = np.array([rng.uniform(0.25, 0.6), rng.uniform(0.4, 0.7), rng.uniform(0.75, 1.0)])
-    clouds = float(rng.choice([0.0, 1.0]) if rng.random() < 0.4 else rng.random())
-    zenith = zenith + (0.85 - zenith) * clouds
     x = half_road + pavement * 0.7
-    return Scene(
-        parts=parts,
-        lamps=[],
-        sun=_sun(rng, clouds),
-        ambient=(0.3 + 0.7 * zenith) * bright * rng.uniform(0.35, 0.8),
-        occlusion_reach=float(rng.uniform(1.5, 5)),
-        horizon=(0.5 * zenith + 0.5) * bright,
-        zenith=zenith * bright,
-        clouds=clouds,
-        eyes=(
-            np.array([-x, rng.uniform(1.0, 1.5), -25.0]),
-            np.array([x, rng.uniform(1.6, 2.3), 25.0]),
-        ),
-        outdoors=True,
+    scene = under(rng, parts, weather(rng))
+    return replace(
+        scene,
+        eyes=(np.array([-x, 1.0, -25.0]), np.array([x, 2.0, 25.0])),
+        carriers=ON_ROADS,
+        variety=6,
         road=half_road,
-    )
-
-
-def _sun(rng: Generator, clouds: float) -> Sun | None:
-    if rng.random() < 0.15 + 0.45 * clouds:
-        return None
-    azimuth, elevation = rng.uniform(0, 2 * np.pi), rng.uniform(0.25, 1.3)
-    towards = np.array(
-        [
-            np.cos(azimuth) * np.cos(elevation),
-            np.sin(elevation),
-            np.sin(azimuth) * np.cos(elevation),
-        ]
-    )
-    return Sun(
-        towards, np.array([1, rng.uniform(0.85, 1), rng.uniform(0.7, 0.95)]) * rng.uniform(0.8, 3.5)
     )
 
 
@@ -114,14 +92,14 @@ def _roadside(rng: Generator, side: int, half_road: float, pavement: float) -> P
         elif rng.random() < 0.5:
             for _ in range(int(rng.integers(1, 4))):
                 spot = (side * (setback + rng.exponential(8)), 0, z + rng.uniform(0, width))
-                parts += placed((tree if rng.random() < 0.6 else bush)(rng), spot)
+                parts += placed((tree if rng.random() < 0.6 else shrub)(rng), spot)
         z += width + (0.05 if rng.random() < 0.5 else rng.exponential(6))
     things: tuple[tuple[Callable[[Generator], Parts], float, float, float], ...] = (
         (tree, kerb - 0.6 + 0.3 * (setback - kerb), rng.choice([0, 0.02, 0.08]), 0),
         (pole, kerb - 0.3 * pavement, 0.04, yaw - np.pi / 2),
-        (bush, (kerb + setback) / 2, rng.choice([0, 0.06]), yaw),
+        (shrub, (kerb + setback) / 2, rng.choice([0, 0.06]), yaw),
         (fence, setback - 0.4, rng.choice([0, 0.03]), yaw),
-        (person, kerb - 0.5 * pavement, rng.choice([0.01, 0.05]), 0),
+        (bystander, kerb - 0.5 * pavement, rng.choice([0.01, 0.05]), 0),
         (bicycle, kerb - 0.4 * pavement, 0.01, 0),
     )
     for make, x, density, heading in things:
@@ -153,7 +131,9 @@ def _traffic(rng: Generator, half_road: float) -> Parts:
         parts += placed(vehicle(rng), (x, 0, rng.uniform(-_REACH, _REACH)), yaw)
     for _ in range(int(rng.poisson(0.8))):
         spot = (rng.uniform(-half_road, half_road), 0, rng.uniform(-40, 40))
-        parts += placed((person if rng.random() < 0.7 else bicycle)(rng), spot, rng.uniform(0, 6.3))
+        parts += placed(
+            (bystander if rng.random() < 0.7 else bicycle)(rng), spot, rng.uniform(0, 6.3)
+        )
     return parts
 
 
@@ -173,5 +153,5 @@ def _far(rng: Generator) -> Parts:
                 parts += placed(house(rng, 15), (x, 0, end * (_REACH + rng.uniform(2, 10))), yaw)
         for _ in range(int(rng.integers(0, 12))):
             spot = (rng.normal(0, 40), 0, end * (_REACH + rng.uniform(0, 60)))
-            parts += placed(tree(rng), spot)
+            parts += placed(far_tree(rng), spot)
     return parts
