@@ -33,22 +33,22 @@ STEPS = {
 
 @pytest.mark.parametrize("name", STEPS)
 def test_constant_motions_and_steps_between_them_are_synchronous(name):
-    assert synchrony(*slopes(STEPS[name])).abs().max() < 1e-15
+    assert synchrony(*slopes(STEPS[name])).abs().max() < 1e-12
 
 
 def test_all_that_depends_on_one_number_of_the_pixel_is_synchronous():
     # Not by forward differences of a curved function, but by its true slopes.
     phase = 0.3 * COLUMN + 0.2 * ROW
     slope = ONE[:, None, None] * phase.cos()
-    assert synchrony(0.3 * slope, 0.2 * slope).abs().max() < 1e-15
+    assert synchrony(0.3 * slope, 0.2 * slope).abs().max() < 1e-12
 
 
 def test_a_flexible_motion_need_not_be_synchronous():
-    # The theorem's counterexample: n1 = x, t2 = y. Slopes e1 and e5: det 1, trace 2.
+    # The theorem's counterexample: n1 = x, t2 = y. Slopes e1 and e5: det 1, trace 2, √½.
     motion = torch.zeros(6, 12, 16, dtype=torch.float64)
     motion[0], motion[4] = COLUMN, ROW
     got = synchrony(*slopes(motion))
-    assert_close(got, torch.full((11, 15), 0.5, dtype=torch.float64), rtol=0, atol=1e-6)
+    assert_close(got, torch.full((11, 15), 0.5**0.5, dtype=torch.float64), rtol=0, atol=2e-6)
 
 
 @pytest.mark.parametrize("name", ["constant", "vertical", "horizontal"])
@@ -85,11 +85,11 @@ slope_pairs = st.lists(st.floats(-3, 3), min_size=12, max_size=12)
 
 
 @given(slope_pairs)
-def test_it_lies_between_half_and_all_of_the_smaller_singular_value_squared(numbers):
+def test_it_lies_between_the_smaller_singular_value_and_that_over_the_root_of_two(numbers):
     pair = torch.tensor(numbers, dtype=torch.float64).reshape(2, 6)
-    got = synchrony(*pair[:, :, None, None], floor=1e-12).item()
-    least = torch.linalg.svdvals(pair)[-1].item() ** 2
-    assert least / 2 - 1e-9 <= got <= least + 1e-9
+    got = synchrony(*pair[:, :, None, None], floor=1e-18).item()
+    least = torch.linalg.svdvals(pair)[-1].item()
+    assert least / 2**0.5 - 1e-7 <= got <= least + 1e-7
 
 
 @given(slope_pairs, st.floats(0, 6.28))
@@ -98,7 +98,7 @@ def test_turning_the_picture_changes_nothing(numbers, angle):
     angle = torch.tensor(angle, dtype=torch.float64)
     turn = torch.stack([angle.cos(), -angle.sin(), angle.sin(), angle.cos()]).reshape(2, 2)
     one, other = (synchrony(*each[:, :, None, None]) for each in (pair, turn @ pair))
-    assert_close(one, other, rtol=1e-9, atol=1e-9)
+    assert_close(one, other, rtol=1e-9, atol=1e-7)
 
 
 def test_gradients_are_those_of_finite_differences():

@@ -19,10 +19,10 @@ def perspective(
     n: Float[Tensor, "*batch points 3"],
     t: Float[Tensor, "*batch points 3"],
 ) -> Float[Tensor, "*batch points"]:
-    """Return `1 - cos(y, R D x + t)` of each point: half the square of a small angle in radians.
+    """Return the chord √(2 - 2 cos(y, R D x + t)) of each point: a small angle in radians.
 
-    2 for a point straight behind the camera. It is computed as |u - v|² / 2 of unit vectors, which
-    keeps in float32 what 1 - cos loses below 3.5e-4 radians.
+    2 for a point straight behind the camera. It is computed as |u - v| of unit vectors, which keeps
+    in float32 what 1 - cos loses below 3.5e-4 radians.
 
     Args:
         key: Rays x, z = 1.
@@ -34,11 +34,11 @@ def perspective(
     References:
         Dissertation, (5.22) and (5.23), corrected. There X_target = R (X_key - t), to which the
         essential matrix of (5.3) does not belong, and the cosine is between pixel coordinates:
-        `perspective_as_written`. |1 - cos| is already quadratic in the angle, so the L1 measure
-        makes nothing robust.
+        `perspective_as_written`. |1 - cos| is quadratic in the angle, so the L1 measure makes
+        nothing robust there; here the root is taken.
     """
     point = rotated(n, depth[..., None] * key) + t
-    return (_unit(point) - _unit(target)).square().sum(-1) / 2
+    return norm(_unit(point) - _unit(target))
 
 
 def perspective_as_written(

@@ -13,14 +13,15 @@ from torch import Tensor
 def synchrony(
     across: Float[Tensor, "*batch channels height width"],
     down: Float[Tensor, "*batch channels height width"],
-    floor: float = 1e-6,
+    floor: float = 1e-12,
 ) -> Float[Tensor, "*batch height width"]:
-    """Return `det JᵀJ / (tr JᵀJ + floor)` at each pixel, with J = [V_x V_y].
+    """Return `√(det JᵀJ / (tr JᵀJ + floor) + floor) - √floor` at each pixel, with J = [V_x V_y].
 
     0 where the slopes are parallel or one of them vanishes: inside rigid things, on steps of any
-    direction. With singular values σ₁ >= σ₂ of J it lies between σ₂² / 2 and σ₂². The determinant
-    is the sum of the squared minors f_x g_y - f_y g_x over all pairs of components (Lagrange), so
-    that it is never below 0. Its gradient is finite everywhere, and 0 where V does not change.
+    direction. With singular values σ₁ >= σ₂ of J, both well above √floor, it lies between σ₂ / √2
+    and σ₂. The determinant is the sum of the squared minors f_x g_y - f_y g_x over all pairs of
+    components (Lagrange), so that it is never below 0. The gradient is finite everywhere, and 0
+    where V does not change.
 
     Args:
         across: V_x, in one unit for all components.
@@ -36,7 +37,8 @@ def synchrony(
     minors = minors - minors.transpose(-3, -4)
     determinant = minors.square().sum((-3, -4)) / 2
     trace = across.square().sum(-3) + down.square().sum(-3)
-    return determinant / (trace + floor)
+    shared: Tensor = (determinant / (trace + floor) + floor).sqrt() - floor**0.5
+    return shared
 
 
 def synchrony_as_written(
