@@ -55,6 +55,12 @@ def test_the_middle_of_four_pixels_is_their_mean():
         assert sample(maps, point(0.5, 0.5)).item() == pytest.approx(4)
 
 
+@pytest.mark.parametrize("sample", [bilinear, inverse_distance])
+def test_no_points_have_no_values(sample):
+    assert sample(ramp(), torch.zeros(0, 2, dtype=torch.float64)).shape == (0, 3)
+    assert sample(ramp()[None], torch.zeros(1, 0, 2, dtype=torch.float64)).shape == (1, 0, 3)
+
+
 def test_beyond_the_edge_the_edge_goes_on():
     at = torch.tensor([[-5.0, 3.0], [40.0, 3.0]], dtype=torch.float64)
     assert_close(bilinear(ramp(), at)[:, 0], torch.tensor([0.0, 8.0], dtype=torch.float64))

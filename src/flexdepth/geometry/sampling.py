@@ -19,10 +19,9 @@ def bilinear(
     """
     batch, (channels, height, width) = maps.shape[:-3], maps.shape[-3:]
     size = maps.new_tensor([width, height])
-    grid = (2 * at / size - 1).reshape(-1, 1, at.shape[-2], 2)
     values = torch.nn.functional.grid_sample(
-        maps.reshape(-1, channels, height, width),
-        grid,
+        maps.reshape(batch.numel(), channels, height, width),
+        (2 * at / size - 1).reshape(batch.numel(), 1, at.shape[-2], 2),
         mode="bilinear",
         padding_mode="border",
         align_corners=False,
