@@ -20,6 +20,8 @@ class Evidence(StrEnum):
     """It stands on the static world where its foot is seen."""
     ORDERING = "ordering"
     """It is before all that it hides; it may be nearer still."""
+    MOTION = "motion"
+    """Only at this scale it stays where it is, or moves level over the ground."""
     STEREO = "stereo"
     PRIOR = "prior"
     """Single-image depth, of it and of what is around it."""

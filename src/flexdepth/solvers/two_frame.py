@@ -5,15 +5,12 @@ The camera's own motion comes first; what does not move as it says are regions o
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdepth.solvers.answer import Evidence, Kind, Region, TwoFrame, Unknown
-from flexdepth.solvers.correspondences import from_flow
-from flexdepth.solvers.ego_motion import camera_motion
 from flexdepth.solvers.seen import Prior, Seen, Stereo, ThirdFrame
-from flexdepth.solvers.two_view import static_depth
+from flexdepth.solvers.state import answer, solved_regions
 
 __all__ = [
     "Dense",
@@ -63,29 +60,4 @@ def two_frame(seen: Seen, settings: TwoFrameSettings = TwoFrameSettings()) -> Tw
     Raises:
         InputError: Fewer than 16 pixels have flow that is to be trusted.
     """
-    motion = camera_motion(from_flow(seen.flow, seen.trusted, seen.noise, seen.camera))
-    noise = seen.noise * np.float32(motion.noise_factor)
-    found = static_depth(seen.flow, noise, seen.camera, motion.pose, settings.clear)
-    unknown = np.select(
-        [~seen.known, ~seen.trusted, found.valid, found.parallax < -settings.clear * noise],
-        [Unknown.NO_FLOW, Unknown.OCCLUDED, Unknown.KNOWN, Unknown.BEHIND],
-        Unknown.LOW_PARALLAX,
-    )
-    shape = seen.noise.shape
-    axis = np.asarray(cv2.Rodrigues(motion.pose.rotation)[0], np.float64).ravel()
-    still = Region(0, Kind.STATIC, Evidence.CAMERA, 1.0, 0.0, int(np.prod(shape)))
-    return TwoFrame(
-        depth=found.depth,
-        rotation=np.broadcast_to(axis, (*shape, 3)).copy(),
-        translation=np.broadcast_to(motion.pose.translation, (*shape, 3)).copy(),
-        labels=np.zeros(shape, np.int32),
-        regions=(still,),
-        moving=np.zeros(shape, bool),
-        parallax=found.parallax,
-        residual=np.abs(found.across),
-        spread=found.spread,
-        unknown=unknown.astype(np.uint8),
-        camera_motion=motion,
-        prior_share=None,
-        metric=False,
-    )
+    return answer(solved_regions(seen, settings.clear), seen, settings.clear)
