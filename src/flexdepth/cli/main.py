@@ -33,6 +33,7 @@ class Command:
 COMMANDS: Mapping[str, Command] = MappingProxyType(
     {
         "predict": Command("flexdepth.cli.predict", "Write the depth of photos and videos."),
+        "solve": Command("flexdepth.cli.solve", "Find depth and motion in two frames of a scene."),
         "inspect": Command("flexdepth.cli.inspect", "Say what the numbers in a depth file mean."),
         "convert": Command(
             "flexdepth.cli.convert", "Change a depth file's format, not its meaning."

@@ -34,6 +34,7 @@ __all__ = [
     "UNSURE",
     "Cloud",
     "Mesh",
+    "Shown",
     "mesh",
     "normals",
     "normals_picture",
@@ -76,6 +77,19 @@ class Mesh:
     positions: Floats
     colours: NDArray[np.uint8]
     triangles: NDArray[np.int32]
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """Points with something drawn among them, such as arrows.
+
+    Attributes:
+        cloud: The points.
+        drawn: Surfaces in the same coordinates; may be empty.
+    """
+
+    cloud: Cloud
+    drawn: Mesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,8 +185,10 @@ def _grid(depth_map: DepthMap, colours: NDArray[np.uint8], max_points: int) -> _
     return _Grid(inverse_depth(depth), positions, colours[at], shown)
 
 
-def write_ply(path: Path, shape: Cloud | Mesh, origin: Origin | None = None) -> None:
+def write_ply(path: Path, shape: Cloud | Mesh | Shown, origin: Origin | None = None) -> None:
     """Write a binary little-endian PLY: x right, y down, z forward, colours as in the picture.
+
+    What is drawn among points follows them in the one list of vertices that a PLY has.
 
     Args:
         path: The file to make or to replace; it appears whole or not at all.
@@ -182,14 +198,15 @@ def write_ply(path: Path, shape: Cloud | Mesh, origin: Origin | None = None) -> 
     Raises:
         InputError: There is not a single point, or the file cannot be written.
     """
-    whole = _trimesh(path, shape, shape.positions, shape.colours)
+    one = _joined(shape) if isinstance(shape, Shown) else shape
+    whole = _trimesh(path, one, one.positions, one.colours)
     content = cast(bytes, whole.export(file_type="ply"))
     header, end, numbers = content.partition(b"end_header\n")
     with replacing(path) as temporary, temporary.open("wb") as file:
         file.writelines((header, ply_comment(origin) if origin else b"", end, numbers))
 
 
-def write_glb(path: Path, shape: Cloud | Mesh, origin: Origin | None = None) -> None:
+def write_glb(path: Path, shape: Cloud | Mesh | Shown, origin: Origin | None = None) -> None:
     """Write a binary glTF: y up, −z forward, which turns a point into (x, −y, −z).
 
     The colours are stored linear, as glTF wants them at vertices, and unlit: the photo already
@@ -203,8 +220,14 @@ def write_glb(path: Path, shape: Cloud | Mesh, origin: Origin | None = None) -> 
     Raises:
         InputError: There is not a single point, or the file cannot be written.
     """
-    positions = shape.positions * np.array([1, -1, -1], np.float32)
-    scene = _trimesh(path, shape, positions, _linear()[shape.colours]).scene()
+    parts = (shape.cloud, shape.drawn) if isinstance(shape, Shown) else (shape,)
+    scene = trimesh.Scene()
+    for name, part in zip(("scene", "drawn"), parts, strict=False):
+        if name == "scene" or len(part.positions):
+            positions = part.positions * np.array([1, -1, -1], np.float32)
+            scene.add_geometry(
+                _trimesh(path, part, positions, _linear()[part.colours]), geom_name=name
+            )
 
     def finish(tree: dict[str, Any]) -> None:
         _unlit(tree)
@@ -212,7 +235,21 @@ def write_glb(path: Path, shape: Cloud | Mesh, origin: Origin | None = None) -> 
             tree["asset"]["extras"] = {KEY: dict(origin)}
 
     with replacing(path) as temporary:
-        scene.export(str(temporary), file_type="glb", tree_postprocessor=finish)
+        scene.export(  # type: ignore[no-untyped-call]
+            str(temporary), file_type="glb", tree_postprocessor=finish
+        )
+
+
+def _joined(shown: Shown) -> Cloud | Mesh:
+    """Return points and what is drawn among them as one list of vertices, some in triangles."""
+    cloud, drawn = shown.cloud, shown.drawn
+    if not len(cloud.positions) or not len(drawn.triangles):
+        return cloud
+    return Mesh(
+        np.concatenate([cloud.positions, drawn.positions]),
+        np.concatenate([cloud.colours, drawn.colours]),
+        drawn.triangles + np.int32(len(cloud.positions)),
+    )
 
 
 def _trimesh(
