@@ -133,14 +133,14 @@ CHAPTER3_SHORT = replace(
     held_out=Folder(Path("renders/short-heldout")),
     loop=replace(
         CHAPTER3_SMALL.loop,
-        iterations=200,
-        save_every=10,
+        iterations=100,
+        save_every=5,
         batches=replace(CHAPTER3_SMALL.loop.batches, shapes=((64, 64),)),
         optimiser=replace(_LINE_TO_ZERO, rate=0.01),
     ),
 )
 """`CHAPTER3_SMALL` short enough for a table of many runs: NYU's crops at a sixth of their size.
 
-Images of 128x96 and crops of 64x64; 40 bins; 200 iterations at the rate of the base's code, which
+Images of 128x96 and crops of 64x64; 40 bins; 100 iterations at the rate of the base's code, which
 is three times the dissertation's. 20 evaluations, of which the last 15 are averaged.
 """
