@@ -40,6 +40,9 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         ),
         "synth": Command("flexdepth.cli.synth", "Render scenes with exact depth to train on."),
         "train": Command("flexdepth.cli.train", "Train a network, or go on with a run."),
+        "table": Command(
+            "flexdepth.cli.table", "Train the rows of a table of chapter 3, and write it."
+        ),
         "export": Command("flexdepth.cli.export", "Make a trained network a model bundle."),
         "evaluate": Command(
             "flexdepth.cli.evaluate", "Score a model or predictions by a named protocol."

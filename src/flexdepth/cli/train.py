@@ -3,14 +3,13 @@
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated
 
 import tyro
 
 from flexdepth.cli.arguments import told_in_one_line
-from flexdepth.experiments.catalogue import CATALOGUE
+from flexdepth.experiments.catalogue import CATALOGUE, experiment_named
 from flexdepth.experiments.experiment import Bundled, Experiment, ImageNet, Start, Trained
 from flexdepth.experiments.run import run_experiment
 from flexdepth.runtime.errors import InputError
@@ -44,16 +43,13 @@ def run(arguments: Sequence[str]) -> int:
     if not arguments:
         raise InputError(f"name an experiment: flexdepth train {next(iter(CATALOGUE))}")
     name, *rest = arguments
-    if name not in CATALOGUE:
-        near = get_close_matches(name, CATALOGUE, n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"choose one of {sorted(CATALOGUE)}"
-        raise InputError(f"no experiment {name!r}; {hint}")
+    named = experiment_named(name)
     with told_in_one_line(f"flexdepth train {name}"):
         settings = tyro.cli(
             Train,
             args=rest,
             prog=f"flexdepth train {name}",
-            default=Train(CATALOGUE[name], Path("runs") / name),
+            default=Train(named, Path("runs") / Path(name).stem),
             config=(tyro.conf.AvoidSubcommands,),
         )
     experiment = settings.experiment
