@@ -33,6 +33,8 @@ class FocalSource(StrEnum):
 
     EXIF = "exif"
     GIVEN = "given"
+    PREDICTED = "predicted"
+    """A network sees it in the picture."""
     ASSUMED = "assumed"
 
 
