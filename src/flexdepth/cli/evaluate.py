@@ -90,7 +90,7 @@ class Evaluate(Generic[Data]):
     model: Annotated[
         str, tyro.conf.Positional, tyro.conf.arg(metavar="MODEL", help_behavior_hint="")
     ]
-    """`bundled`, an .onnx bundle, any .onnx network with a .yaml card, hub:NAME (docs/models.md), or a
+    """`bundled`, any .onnx network that says what it is or has a .yaml card, hub:NAME, or a
     folder of depth files."""
     data: Annotated[Data, tyro.conf.arg(name="")]
     """The set's own settings."""
