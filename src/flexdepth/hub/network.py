@@ -18,7 +18,8 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 from transformers import AutoConfig, AutoImageProcessor, AutoModelForDepthEstimation
-from transformers.utils import cached_file, logging
+from transformers.utils import logging
+from transformers.utils.hub import cached_file
 
 from flexdepth.hub.families import UNKNOWN, Family, family_of
 from flexdepth.hub.model_card import stated_licence
@@ -144,11 +145,11 @@ def _bars(shown: bool) -> Iterator[None]:
     if shown or not logging.is_progress_bar_enabled():
         yield
         return
-    logging.disable_progress_bar()
+    logging.disable_progress_bar()  # type: ignore[no-untyped-call]
     try:
         yield
     finally:
-        logging.enable_progress_bar()
+        logging.enable_progress_bar()  # type: ignore[no-untyped-call]
 
 
 def _device(provider: Provider) -> str:
@@ -234,4 +235,4 @@ def _digest(model: Any, processor: Any) -> str:  # noqa: ANN401
 
 def _first_line(error: Exception) -> str:
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    return (lines or [type(error).__name__])[0][:300]
+    return (lines or [type(error).__name__])[0][:300].rstrip(".")

@@ -41,9 +41,10 @@ class CardedNetwork:
 
     @property
     def about(self) -> About:
-        """Who it is; the digest is that of the network and of all that the card says."""
-        said = hashlib.sha256(f"{self.session.digest} {self.card}".encode()).hexdigest()
-        return About(self.card.name, "", self.card.licence, said)
+        """Who it is; the digest is that of the network and of what the card says of its numbers."""
+        card = self.card
+        said = f"{self.session.digest} {card.input} {card.normalisation} {card.output}"
+        return About(card.name, "", card.licence, hashlib.sha256(said.encode()).hexdigest())
 
     @property
     def space(self) -> Space:
