@@ -126,13 +126,18 @@ def _run(name: str, module: str, arguments: Sequence[str]) -> int:
 
 
 def _extra_with(module: str) -> str | None:
-    """Return the extra of flexdepth that installs `module`; None where there is no such extra."""
+    """Return the smallest extra of flexdepth that installs `module`; None where there is none.
+
+    An extra may hold all of another one, as `hub` does of `torch`. `dev` is for developers.
+    """
     wanted = module.partition(".")[0].lower()
+    extras: dict[str, set[str]] = {}
     for requirement in requires("flexdepth") or []:
         found = re.match(r"([\w.-]+).*;.*extra == ['\"](\w+)['\"]", requirement)
-        if found and found[1].lower().replace("-", "_") == wanted:
-            return found[2]
-    return None
+        if found and found[2] != "dev":
+            extras.setdefault(found[2], set()).add(found[1].lower().replace("-", "_"))
+    holding = [name for name, held in extras.items() if wanted in held]
+    return min(holding, key=lambda name: len(extras[name]), default=None)
 
 
 def _unknown(name: str, commands: Mapping[str, Command]) -> str:

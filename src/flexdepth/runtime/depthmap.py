@@ -34,7 +34,7 @@ class FocalSource(StrEnum):
     EXIF = "exif"
     GIVEN = "given"
     PREDICTED = "predicted"
-    """A network saw it in the picture."""
+    """A network sees it in the picture."""
     ASSUMED = "assumed"
 
     @property

@@ -1,6 +1,6 @@
 """From a picture to its depth map, at the picture's own size."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from math import log
@@ -13,6 +13,7 @@ from PIL import Image
 from flexdepth.runtime.answer import Answer
 from flexdepth.runtime.depthmap import DepthMap, Space
 from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.estimator import About
 from flexdepth.runtime.images import Photo, read_photo
 from flexdepth.runtime.lens import Lens, Said, intrinsics
 from flexdepth.runtime.model import Model
@@ -72,6 +73,22 @@ class Predictor:
         """Refuse a number of tiles that is none."""
         if self.tiles < 1:
             raise InputError(f"--tiles: wanted a whole number >= 1, got {self.tiles}")
+
+    @property
+    def about(self) -> About:
+        """Who the model is."""
+        said = self.model.description
+        return About(said.name, said.version, said.licence, self.model.digest)
+
+    @property
+    def settings(self) -> Mapping[str, str]:
+        """How pictures are shown to it."""
+        return {
+            "lens": str(self.lens or "the photo's own"),
+            "look": self.look.__name__,
+            "long_side": str(self.long_side or "by area"),
+            "tiles": str(self.tiles),
+        }
 
     def predict(self, picture: Photo | str | Path | ArrayLike) -> DepthMap:
         """Return the depth of one picture, at its own size, +inf in the sky.
