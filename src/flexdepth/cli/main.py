@@ -47,7 +47,9 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
             "flexdepth.cli.evaluate", "Score a model or predictions by a named protocol."
         ),
         "data": Command("flexdepth.cli.data", "Check a data set, or make it a plain folder."),
-        "show": Command("flexdepth.cli.show", "List a network's parts and their parameters."),
+        "show": Command(
+            "flexdepth.cli.show", "List the parts of a network, or the fields of an experiment."
+        ),
     }
 )
 
@@ -125,13 +127,15 @@ def _run(name: str, module: str, arguments: Sequence[str]) -> int:
 
 
 def _extra_with(module: str) -> str | None:
-    """Return the extra of flexdepth that installs `module`; None where there is no such extra."""
+    """Return the smallest extra of flexdepth that installs `module`; None where there is none."""
     wanted = module.partition(".")[0].lower()
+    extras: dict[str, list[str]] = {}
     for requirement in requires("flexdepth") or []:
         found = re.match(r"([\w.-]+).*;.*extra == ['\"](\w+)['\"]", requirement)
-        if found and found[1].lower().replace("-", "_") == wanted:
-            return found[2]
-    return None
+        if found:
+            extras.setdefault(found[2], []).append(found[1].lower().replace("-", "_"))
+    fitting = [extra for extra, modules in extras.items() if wanted in modules]
+    return min(fitting, key=lambda extra: len(extras[extra]), default=None)
 
 
 def _unknown(name: str, commands: Mapping[str, Command]) -> str:
