@@ -48,7 +48,9 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
             "flexdepth.cli.evaluate", "Score a model or predictions by a named protocol."
         ),
         "data": Command("flexdepth.cli.data", "Check a data set, or make it a plain folder."),
-        "show": Command("flexdepth.cli.show", "List a network's parts and their parameters."),
+        "show": Command(
+            "flexdepth.cli.show", "List the parts of a network, or the fields of an experiment."
+        ),
     }
 )
 
