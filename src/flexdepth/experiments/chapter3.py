@@ -9,10 +9,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from flexdepth.data import Folder, Kitti, NyuFolders, NyuLabelled
+from flexdepth.data.colour import Colour
 from flexdepth.data.kitti import EIGEN_TEST
 from flexdepth.data.read import Split
 from flexdepth.data.recipes import KittiCrop, NyuCrop
-from flexdepth.data.transforms import Colour
 from flexdepth.evaluation.alignment import Alignment
 from flexdepth.experiments import terms
 from flexdepth.experiments.experiment import Experiment
