@@ -79,15 +79,16 @@ def main() -> int:
         return 2
     if said["synth"] != SYNTH:
         print(f"synth is {SYNTH}; the bars were set with {said['synth']}", file=sys.stderr)
-    measured = []
+    measured: list[Line] = []
     for flow in flows:
         for line in lines(flow, rows, asked.pairs):
             measured.append(line)
             print(f"{flow}: {line.row}, {line.cpu:.2f} s of CPU a pair", file=sys.stderr)
+            if asked.json is not None:  # What is done is kept, should the rest take too long.
+                said_so_far = record(measured, verdicts(measured, said["bars"]))
+                asked.json.write_text(json.dumps(said_so_far, indent=1) + "\n")
     judged = verdicts(measured, said["bars"])
     print(text(measured, judged))
-    if asked.json is not None:
-        asked.json.write_text(json.dumps(record(measured, judged), indent=1) + "\n")
     return int(asked.strict and not all(each.passed for each in judged))
 
 

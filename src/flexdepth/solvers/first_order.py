@@ -118,7 +118,7 @@ def first_order(
     Raises:
         InputError: Fewer than 16 pixels have flow that is to be trusted.
     """
-    view = _view(seen, clues)
+    view = viewed(seen, clues)
     *_, (fields, _) = descent(view, settings)
     return _answer(seen, view, _in_house(fields, settings.form))
 
@@ -152,7 +152,7 @@ def descent(view: View, settings: FirstOrder) -> Iterator[tuple[Fields, Terms]]:
             decay.step()
 
 
-def _view(seen: Seen, clues: Clues | None) -> View:
+def viewed(seen: Seen, clues: Clues | None) -> View:
     """Return what is seen in single precision, in which the dissertation's networks compute."""
     camera = seen.camera
     nothing = np.zeros((0, 2))
