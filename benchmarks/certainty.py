@@ -17,21 +17,24 @@ images of the degrees by which it is off. Prints JSON.
 import argparse
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
 from numpy.typing import NDArray
-from samples import SETS, SampleSet, frames, read_truth, scored_pixels
+from samples import SETS, SampleSet, scored_pixels
 
 import flexdepth
 from flexdepth.data.folder import Folder
+from flexdepth.data.stored import StoredPair
 from flexdepth.evaluation.alignment import Alignment, aligned
 from flexdepth.evaluation.metrics import abs_rel
 from flexdepth.runtime.depthmap import DepthMap, Intrinsics
 from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.images import Photo
 
 BESIDE_THE_REPOSITORY = Path(__file__).parents[2] / "shared" / "data"
 FARTHEST = 80.0
@@ -124,34 +127,37 @@ def field_of_view(camera: Intrinsics, width: int) -> float:
     return float(2 * np.degrees(np.arctan(width / 2 / camera.focal_x)))
 
 
-def on_real(model: str, samples: Path, sample_set: SampleSet) -> dict[str, float]:
+def on_real(model: str, sample_set: SampleSet, files: Sequence[StoredPair]) -> dict[str, float]:
     """Return what dropping the unsure gains on a set, and how far off the field of view is."""
     predictor = flexdepth.load(model)
     pairs, angles = [], []
-    for frame in frames(samples, sample_set):
-        found = predictor.predict(frame.image)
-        truth = read_truth(frame.truth, sample_set.steps_per_metre)
+    for file in files:
+        pair = file.read()
+        found = predictor.predict(Photo(pair.image, None, ()))
+        truth = np.nan_to_num(pair.truth.values.astype(np.float64), nan=0.0, posinf=0.0)
         scored = scored_pixels(truth, sample_set.cap)
         if scored.any():
             pairs.append(without_the_unsure(found, truth, scored, sample_set.cap))
-        if found.intrinsics is not None:
-            width = truth.shape[1]
-            seen, true = (field_of_view(c, width) for c in (found.intrinsics, sample_set.camera))
+        if found.intrinsics is not None and pair.truth.intrinsics is not None:
+            both = found.intrinsics, pair.truth.intrinsics
+            seen, true = (field_of_view(camera, truth.shape[1]) for camera in both)
             angles.append(abs(seen - true))
     everything, sure = np.array(pairs).mean(0)
-    return {
+    report = {
         "abs_rel": round(float(everything), 4),
         "without the least sure fifth": round(float(sure), 4),
         "lower by": round(float(1 - sure / everything), 3),
-        "field of view off by, degrees": round(float(np.median(angles)), 1),
     }
+    if angles:
+        report["field of view off by, degrees"] = round(float(np.median(angles)), 1)
+    return report
 
 
-def held(samples: Path) -> Iterator[SampleSet]:
+def held(samples: Path) -> Iterator[tuple[SampleSet, Sequence[StoredPair]]]:
     """Give the sets that the folder holds."""
     for sample_set in SETS:
-        if any(samples.glob(sample_set.images)):
-            yield sample_set
+        with suppress(InputError):
+            yield sample_set, sample_set.load(samples)
 
 
 def main() -> None:
@@ -169,7 +175,8 @@ def main() -> None:
         report["held-out scenes"] = reliability(found)
         if asked.picture:
             draw(found, asked.picture)
-    report |= {each.name: on_real(asked.model, asked.samples, each) for each in held(asked.samples)}
+    for each, files in held(asked.samples):
+        report[each.name] = on_real(asked.model, each, files)
     print(json.dumps(report, indent=2))
 
 
