@@ -31,6 +31,7 @@ from flexdepth.runtime.surface import (
 
 __all__ = [
     "MAX_POINTS",
+    "UNSURE",
     "Cloud",
     "Mesh",
     "Shown",
@@ -41,6 +42,10 @@ __all__ = [
     "write_glb",
     "write_ply",
 ]
+
+UNSURE = 0.3
+"""A pixel whose depth has a larger relative standard deviation is no point: its place in space is
+not known, and the few that are so stand out as clutter."""
 
 MAX_POINTS = 2_000_000
 """A larger map is thinned evenly below so many points: enough to look at, small enough to open."""
@@ -100,8 +105,9 @@ class _Grid:
 def points(depth_map: DepthMap, colours: NDArray[np.uint8], max_points: int = MAX_POINTS) -> Cloud:
     """Return the points that the pixels see, row by row.
 
-    Left out are sky, unknown and non-positive depth, and flying pixels (`surface.flying`). A map
-    of more than `max_points` pixels gives every n-th pixel of every n-th row.
+    Left out are sky, unknown and non-positive depth, flying pixels (`surface.flying`), and pixels
+    whose spread is more than `UNSURE`. A map of more than `max_points` pixels gives every n-th
+    pixel of every n-th row.
 
     Args:
         depth_map: Metric or known up to scale, with a camera.
@@ -173,7 +179,10 @@ def _grid(depth_map: DepthMap, colours: NDArray[np.uint8], max_points: int) -> _
     positions = rays(rows[:, None], columns[None, :], camera)
     visible = np.isfinite(depth) & (depth > 0)
     positions *= np.where(visible, depth, np.nan)[..., None]
-    return _Grid(inverse_depth(depth), positions, colours[at], visible & ~flying(depth))
+    shown = visible & ~flying(depth)
+    if depth_map.spread is not None:
+        shown &= ~(depth_map.spread[at] > UNSURE)
+    return _Grid(inverse_depth(depth), positions, colours[at], shown)
 
 
 def write_ply(path: Path, shape: Cloud | Mesh | Shown, origin: Origin | None = None) -> None:

@@ -7,9 +7,9 @@ from enum import StrEnum
 from pathlib import Path
 
 from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.estimator import Estimator
 from flexdepth.runtime.origin import Origin, digest
 from flexdepth.runtime.outputs import Output
-from flexdepth.runtime.predictor import Predictor
 
 
 class Status(StrEnum):
@@ -34,7 +34,7 @@ class Job:
         batch: How many pictures of one size share a run of the network.
     """
 
-    predictor: Predictor
+    predictor: Estimator
     folder: Path
     outputs: tuple[Output, ...]
     overwrite: bool = False
@@ -49,11 +49,8 @@ class Job:
         """
         return {
             "input": digest(path),
-            "model": f"sha256:{self.predictor.model.digest}",
-            "lens": str(self.predictor.lens or "the photo's own"),
-            "look": self.predictor.look.__name__,
-            "long_side": str(self.predictor.long_side or "by area"),
-            "tiles": str(self.predictor.tiles),
+            "model": f"sha256:{self.predictor.about.digest}",
+            **self.predictor.settings,
         }
 
 

@@ -23,7 +23,7 @@ def origin(settings: PairSettings) -> Origin:
         "flow": _flow(settings.flow),
         "prior": "none"
         if settings.prior is None
-        else f"sha256:{flexdepth.load(settings.prior).model.digest}",
+        else f"sha256:{flexdepth.load(settings.prior).about.digest}",
         "baseline": str(settings.baseline),
         "objective": str(settings.objective),
         "long_side": str(settings.long_side),

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flexdepth.runtime.depthmap import Intrinsics
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.images import Photo, read_photo
-from flexdepth.runtime.lens import Lens, intrinsics
+from flexdepth.runtime.lens import Lens, Said, intrinsics
 from flexdepth.runtime.sizes import resized
 from flexdepth.scenes.camera import read_camera
 
@@ -125,7 +125,8 @@ def _camera(
     if isinstance(said, Path):
         return read_camera(said, width, height)
     written = (photo.focal_in_diagonals for photo in photos.values())
-    return intrinsics(width, height, said, next((f for f in written if f is not None), None))
+    told = Said(next((focal for focal in written if focal is not None), None))
+    return intrinsics(width, height, said, told)
 
 
 def _repeated(photos: dict[str, Photo], paths: dict[str, Path]) -> Iterator[str]:
