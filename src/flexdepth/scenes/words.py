@@ -133,7 +133,7 @@ def cautions(solution: Solution) -> list[str]:
         what = "has stood still" if motion.kind is MotionKind.STILL else "has only turned"
         lines.append(
             f"the camera {what}, as far as the frames tell: they show no depth of what is still"
-            + (", what there is comes from the key frame alone" if solution.prior else "")
+            + (", what there is comes from the key frame alone" if found.valid.any() else "")
         )
     if motion.inliers < 0.5:
         lines.append(
