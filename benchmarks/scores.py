@@ -17,7 +17,7 @@ from flexdepth.evaluation.metrics import abs_rel, delta1
 from flexdepth.runtime.depthmap import DepthMap, FocalSource, Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.images import Photo
-from flexdepth.runtime.lens import intrinsics
+from flexdepth.runtime.lens import Said, intrinsics
 
 Predict = Callable[[Photo], DepthMap]
 
@@ -131,7 +131,7 @@ def blind(pair: Pair) -> dict[str, DepthMap]:
     Where nobody says the camera, the usual one is assumed, and there are no metres.
     """
     height, width = pair.image.shape[:2]
-    camera = pair.truth.intrinsics or intrinsics(width, height, None, None)
+    camera = pair.truth.intrinsics or intrinsics(width, height, None, Said())
     maps = {name: widened(make(height, camera), width) for name, make in BLIND.items()}
     if camera.source is FocalSource.ASSUMED:
         maps = {name: replace(each, space=Space.SCALE) for name, each in maps.items()}

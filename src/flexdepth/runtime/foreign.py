@@ -6,17 +6,18 @@ picture's size and in its own space: nothing is fitted, shifted or scaled to loo
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import hypot
 from pathlib import Path
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexdepth.runtime.depthmap import DepthMap, FocalSource, Intrinsics, Space
+from flexdepth.runtime.depthmap import DepthMap, Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.estimator import About
 from flexdepth.runtime.images import Photo
-from flexdepth.runtime.lens import Lens, intrinsics
+from flexdepth.runtime.lens import Lens, Said, intrinsics
 from flexdepth.runtime.predictor import photo_of
 
 
@@ -110,11 +111,12 @@ class ForeignPredictor:
                 f"{self.about.name}: wanted {width} x {height} numbers, those of the picture, "
                 f"got the shape {sight.values.shape}"
             )
-        camera = _camera(intrinsics(width, height, self.lens, photo.focal_in_diagonals), sight)
+        seen = None if sight.seen_focal is None else sight.seen_focal / hypot(width, height)
+        camera = intrinsics(width, height, self.lens, Said(photo.focal_in_diagonals, seen))
         space, values = self.network.space, np.array(sight.values, np.float32)
         if sight.canonical_focal is not None:
             values *= np.float32(camera.focal_x / sight.canonical_focal)
-            if camera.source is FocalSource.ASSUMED:
+            if not camera.source.is_known:
                 space = Space.SCALE
         _forget_nonsense(values, space)
         if np.isnan(values).all():
@@ -124,14 +126,6 @@ class ForeignPredictor:
     def predict_all(self, photos: Sequence[Photo]) -> list[DepthMap]:
         """Return the depth or the disparity of each photo, in their order."""
         return [self.predict(photo) for photo in photos]
-
-
-def _camera(known: Intrinsics, sight: Sight) -> Intrinsics:
-    """Return the camera that is `known`, unless it is assumed and the network sees one."""
-    if known.source is not FocalSource.ASSUMED or sight.seen_focal is None:
-        return known
-    height, width = sight.values.shape
-    return Intrinsics.centred(width, height, sight.seen_focal, FocalSource.PREDICTED)
 
 
 def _forget_nonsense(values: NDArray[np.float32], space: Space) -> None:

@@ -1,7 +1,6 @@
 """What `flexdepth predict` has been asked to do, and what became of each input."""
 
 import errno
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -9,8 +8,7 @@ from pathlib import Path
 
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.estimator import Estimator
-from flexdepth.runtime.opening import open_input
-from flexdepth.runtime.origin import Origin
+from flexdepth.runtime.origin import Origin, digest
 from flexdepth.runtime.outputs import Output
 
 
@@ -49,12 +47,8 @@ class Job:
         Raises:
             InputError: The input cannot be read.
         """
-        digest = hashlib.sha256()
-        with open_input(path) as file:
-            while part := file.read(1 << 20):
-                digest.update(part)
         return {
-            "input": f"sha256:{digest.hexdigest()}",
+            "input": digest(path),
             "model": f"sha256:{self.predictor.about.digest}",
             **self.predictor.settings,
         }

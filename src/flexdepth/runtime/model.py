@@ -3,18 +3,23 @@
 The file's metadata holds, under the key `flexdepth`, the JSON of a `Description`. The network
 takes `image` (batch, 3, height, width), RGB in [0, 1], and gives `depth` (batch, height, width),
 in metres for a camera with the canonical focal length, and `sky` (batch, height, width), the
-probability of sky; batch, height and width are free. A bundle may come from anywhere: it is
+probability of sky. It may also give `spread` (batch, height, width), the relative standard
+deviation of depth, and `focal` (batch), the focal length in image diagonals. Batch, height and
+width are free. A bundle may come from anywhere: it is
 opened by onnxruntime alone, runs no code of its own and reads no other file.
 """
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import onnxruntime as ort
 from numpy.typing import NDArray
 
+from flexdepth.runtime.answer import Answer
 from flexdepth.runtime.bundle import METADATA_KEY, Description, read_description
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.session import Provider, Session, open_session
@@ -22,6 +27,34 @@ from flexdepth.runtime.session import Provider, Session, open_session
 __all__ = ["Model", "Provider", "bundled_file", "load_model", "model_in"]
 
 _BUNDLED = "compact.onnx"
+
+
+def _positive(output: NDArray[np.float32]) -> bool:
+    return bool((output > 0).all() and np.isfinite(output).all())
+
+
+def _probable(output: NDArray[np.float32]) -> bool:
+    return bool((output >= 0).all() and (output <= 1).all())
+
+
+@dataclass(frozen=True)
+class _Output:
+    """What an output of a network is to be like."""
+
+    axes: int
+    sane: Callable[[NDArray[np.float32]], bool]
+    wanted: str
+    needed: bool
+
+
+_OUTPUTS: Mapping[str, _Output] = MappingProxyType(
+    {
+        "depth": _Output(3, _positive, "numbers > 0", True),
+        "sky": _Output(3, _probable, "probabilities", True),
+        "spread": _Output(3, _positive, "numbers > 0", False),
+        "focal": _Output(1, _positive, "numbers > 0", False),
+    }
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,8 +84,8 @@ class Model:
         """Name and version, such as "compact 0.1.0"."""
         return f"{self.description.name} {self.description.version}"
 
-    def run(self, images: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Return canonical depth and the probability of sky, each (batch, height, width).
+    def run(self, images: NDArray[np.float32]) -> Answer:
+        """Return what the network answers for a batch of pictures.
 
         Args:
             images: (batch, 3, height, width), RGB in [0, 1]; height and width multiples of the
@@ -62,26 +95,28 @@ class Model:
             InputError: The network fails, or gives what is no depth: a wrong shape, NaN, a
                 depth that is not positive and finite, a probability outside [0, 1].
         """
+        given = [each.name for each in self.session.opened.get_outputs() if each.name in _OUTPUTS]
         size = (images.shape[3], images.shape[2])
-        found = self.session.run(["depth", "sky"], {"image": images}, size)
-        depth, sky = (np.asarray(each, np.float32) for each in found)
-        self._check("depth", depth, images, bool((depth > 0).all() and np.isfinite(depth).all()))
-        self._check("sky", sky, images, bool((sky >= 0).all() and (sky <= 1).all()))
-        return depth, sky
+        answers = self.session.run(given, {"image": images}, size)
+        found = {
+            name: np.asarray(output, np.float32)
+            for name, output in zip(given, answers, strict=True)
+        }
+        for name, output in found.items():
+            self._check(name, output, images)
+        return Answer(**found)
 
-    def _check(
-        self, name: str, output: NDArray[np.float32], images: NDArray[np.float32], sane: bool
-    ) -> None:
-        wanted = (images.shape[0], *images.shape[2:])
+    def _check(self, name: str, output: NDArray[np.float32], images: NDArray[np.float32]) -> None:
+        about = _OUTPUTS[name]
+        wanted = (images.shape[0], *images.shape[2:])[: about.axes]
         if output.shape != wanted:
             raise InputError(
                 f"{self.path}: output `{name}`: wanted the shape {wanted} of its input, "
                 f"got {output.shape}; the bundle is broken"
             )
-        if not sane:
+        if not about.sane(output):
             raise InputError(
-                f"{self.path}: output `{name}`: wanted "
-                f"{'numbers > 0' if name == 'depth' else 'probabilities'}, got values from "
+                f"{self.path}: output `{name}`: wanted {about.wanted}, got values from "
                 f"{output.min():g} to {output.max():g}; the bundle is broken"
             )
 
@@ -142,9 +177,10 @@ def _check_signature(session: ort.InferenceSession, file: Path) -> None:
     outputs = {each.name: each for each in session.get_outputs()}
     if set(inputs) != {"image"}:
         raise InputError(f"{file}: inputs: wanted `image` alone, got {sorted(inputs)}")
-    if not {"depth", "sky"} <= set(outputs):
+    if not {name for name, about in _OUTPUTS.items() if about.needed} <= set(outputs):
         raise InputError(f"{file}: outputs: wanted `depth` and `sky`, got {sorted(outputs)}")
-    for value, rank in ((inputs["image"], 4), (outputs["depth"], 3), (outputs["sky"], 3)):
+    known = [(outputs[name], _OUTPUTS[name].axes) for name in _OUTPUTS if name in outputs]
+    for value, rank in ((inputs["image"], 4), *known):
         if value.type != "tensor(float)" or len(value.shape) != rank:
             raise InputError(
                 f"{file}: `{value.name}`: wanted tensor(float) of {rank} axes, "
