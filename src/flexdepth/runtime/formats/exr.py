@@ -5,8 +5,11 @@ take it as depth, Nuke shows it as `depth.Z`. Affine disparity is the channel `d
 no tool mistakes it for a distance. Compression is ZIP, which is lossless.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, redirect_stdout
+from io import StringIO
 from pathlib import Path
+from threading import Lock
 
 import numpy as np
 import OpenEXR
@@ -20,6 +23,8 @@ from flexdepth.runtime.formats.reading import check_size, reading
 _KEY = "flexdepth"
 _CHANNELS = ("Z", "disparity", "depth.Z", "depth")
 _ERRORS = (RuntimeError, ValueError, TypeError, KeyError, IndexError, OverflowError)
+
+_printing = Lock()
 
 
 def write(path: Path, depth_map: DepthMap, origin: Mapping[str, str] | None) -> None:
@@ -41,10 +46,9 @@ def write(path: Path, depth_map: DepthMap, origin: Mapping[str, str] | None) -> 
 def numbers(path: Path) -> NDArray[np.float32]:
     """Return the depth or disparity channel of `path`, or its only channel, as float32.
 
-    Of a broken file OpenEXR says a line of its own on the standard output; its older interface
-    does not, but can be brought down by one wrong byte.
+    OpenEXR's older interface can be brought down by one wrong byte; this one cannot.
     """
-    with reading(path, "an OpenEXR file", _ERRORS):
+    with reading(path, "an OpenEXR file", _ERRORS), _unsaid():
         width, height = _size(path)
         with OpenEXR.File(str(path), separate_channels=True) as file:
             if not file.parts:
@@ -57,6 +61,16 @@ def numbers(path: Path) -> NDArray[np.float32]:
         if values.shape != (height, width) or values.dtype.kind not in "fu":
             raise ValueError(f"channel {named[0]} is {values.dtype} of shape {values.shape}")
         return np.array(values, np.float32)
+
+
+@contextmanager
+def _unsaid() -> Iterator[None]:
+    """Keep the line that OpenEXR prints of a broken file out of what a command prints.
+
+    Threads take turns, for all of them have one standard output.
+    """
+    with _printing, redirect_stdout(StringIO()):
+        yield
 
 
 def meaning(path: Path) -> Meaning | None:
