@@ -77,7 +77,12 @@ def read_weights(file: Path) -> dict[str, Tensor]:
         if file.suffix == ".safetensors":
             return load_file(file)
         weights = torch.load(file, map_location="cpu", weights_only=True)
-    except (SafetensorError, UnpicklingError, RuntimeError, EOFError, OSError) as error:
+    except UnpicklingError as error:
+        raise InputError(
+            f"{file}: not a readable file of weights: it is none of torch.save, or holds more than "
+            "tensors, which may run code when it is read; save the plain weights as .safetensors"
+        ) from error
+    except (SafetensorError, RuntimeError, EOFError, OSError) as error:
         reason = str(error).strip().partition("\n")[0]
         raise InputError(f"{file}: not a readable file of weights ({reason})") from error
     if not isinstance(weights, dict) or not all(isinstance(x, Tensor) for x in weights.values()):
