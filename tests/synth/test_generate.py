@@ -8,7 +8,7 @@ from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.files import read_depth
 from flexdepth.runtime.images import read_photo
 from flexdepth.synth.generate import SynthSettings, rendered, write_images
-from flexdepth.synth.rooms import room
+from flexdepth.synth.rooms import cellar, cookery, home, office, shop
 from flexdepth.synth.streets import street
 
 SMALL = SynthSettings(seed=3, width=64, height=48)
@@ -77,7 +77,7 @@ def test_streets_have_sky_and_rooms_do_not():
     assert inside.depth.max() < 20
 
 
-@pytest.mark.parametrize("make", [room, street])
+@pytest.mark.parametrize("make", [home, office, cookery, shop, cellar, street])
 def test_many_scenes_can_be_built_and_are_finite(make):
     for number in range(6):
         scene = make(np.random.default_rng([7, number]))

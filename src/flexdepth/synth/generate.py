@@ -19,8 +19,9 @@ from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.files import write_depth
 from flexdepth.runtime.opening import open_input
 from flexdepth.synth.lens import photograph
-from flexdepth.synth.patterns import Library
-from flexdepth.synth.render import Rendering, Stage, render, worth_taking
+from flexdepth.synth.library import Library
+from flexdepth.synth.render import Rendering, render, worth_taking
+from flexdepth.synth.stage import Stage
 from flexdepth.synth.viewpoints import viewpoint
 from flexdepth.synth.worlds import drawn
 
@@ -86,7 +87,7 @@ def rendered(settings: SynthSettings, index: int) -> tuple[Rendering, NDArray[np
             view = viewpoint(rng, stage.scene, aspect)
             if worth_taking(stage, view, aspect):
                 seen = render(rng, stage, view, settings.width, settings.height)
-                return seen, photograph(rng, seen.light)
+                return seen, photograph(rng, seen.light, seen.depth, seen.focal)
     raise RuntimeError(f"no viewpoint of scene {scene} of seed {settings.seed} shows anything")
 
 

@@ -5,7 +5,6 @@ of the material replace the first.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -152,59 +151,40 @@ def panels(rng: Generator) -> Array:
     return _pair(np.where(groove, 1.0, 0.15 * fractal(rng, 1.2)), knob)
 
 
+def weave(rng: Generator) -> Array:
+    """Threads or fine uneven lines: carpet tiles, ribs, cloth from near."""
+    lines = fractal(rng, 0.3)[0]
+    threads = np.broadcast_to(lines[None], (SIZE, SIZE))
+    if rng.random() < 0.4:
+        threads = np.where(
+            ((4 * _ROW).astype(int) + (4 * _COLUMN).astype(int)) % 2, threads, threads.T
+        )
+    fine = np.clip(threads * rng.uniform(0.6, 1.2) + 0.3 * fractal(rng, 0.2), 0, 1)
+    return _pair(fine, 0.4 * (cv2.blur(fractal(rng, 0.1), (1, 9)) > 0.6))
+
+
+def doors(rng: Generator) -> Array:
+    """Smooth fronts with thin gaps and long handles."""
+    columns, rows = int(rng.integers(1, 4)), int(rng.integers(1, 4))
+    x, y = (columns * _COLUMN) % 1, (rows * _ROW) % 1
+    gap = (np.minimum(x, 1 - x) < 0.008 * columns) | (np.minimum(y, 1 - y) < 0.008 * rows)
+    level = rng.choice([0.12, 0.88])
+    handle = (np.abs(x - 0.5) < 0.22) & (np.abs(y - level) < 0.02)
+    return _pair(np.where(gap, 1.0, 0.1 * fractal(rng, 1.2)), handle)
+
+
+def keys(rng: Generator) -> Array:
+    """Rows of keys; the second colour is the gap, the third the signs."""
+    columns, rows = int(rng.integers(12, 18)), int(rng.integers(4, 7))
+    x, y = (columns * _COLUMN) % 1, (rows * _ROW) % 1
+    gap = (np.minimum(x, 1 - x) < 0.07) | (np.minimum(y, 1 - y) < 0.07)
+    return _pair(gap, (np.abs(x - 0.4) < 0.08) & (np.abs(y - 0.4) < 0.12))
+
+
 PATTERNS: dict[str, Callable[[Generator], Array]] = {
     maker.__name__: maker
     for maker in (
         plain, mottled, speckled, spots, checks, stripes, bricks,
-        tiles, wood, collage, print_lines, windows, panels,
+        tiles, wood, collage, print_lines, windows, panels, weave, doors, keys,
     )
 }  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False)
-class Library:
-    """Several variants of every pattern, each with its halvings for distant surfaces.
-
-    Attributes:
-        variants: How many of each pattern; variant v of pattern p is layer `p * variants + v`.
-        levels: Layers by rows by columns by 2, uint8; each level half the size of the one before.
-    """
-
-    variants: int
-    levels: tuple[NDArray[np.uint8], ...]
-
-    @classmethod
-    def made(cls, rng: Generator, variants: int) -> "Library":
-        """Return a library drawn from the generator."""
-        layers = [255 * make(rng) for make in PATTERNS.values() for _ in range(variants)]
-        levels = [np.asarray(layers).round().astype(np.uint8)]
-        while levels[-1].shape[1] > 1:
-            fine = levels[-1].astype(np.uint16)
-            halved = (
-                fine[:, ::2, ::2] + fine[:, 1::2, ::2] + fine[:, ::2, 1::2] + fine[:, 1::2, 1::2]
-            )
-            levels.append(((halved + 2) // 4).astype(np.uint8))
-        return cls(variants, tuple(levels))
-
-    def layer(self, rng: Generator, pattern: str) -> int:
-        """Return the layer of one variant of the pattern."""
-        return list(PATTERNS).index(pattern) * self.variants + int(rng.integers(self.variants))
-
-    def weights(
-        self, layer: NDArray[np.intp], uv: NDArray[np.floating], texels: NDArray[np.floating]
-    ) -> NDArray[np.float32]:
-        """Return the two weights at each texture coordinate.
-
-        Args:
-            layer: The layer of each point.
-            uv: Points by two coordinates; the pattern repeats with period 1.
-            texels: How many finest texels one pixel covers at each point; it selects the level.
-        """
-        level = np.clip(np.log2(np.maximum(texels, 1)).round(), 0, len(self.levels) - 1).astype(int)
-        out = np.empty((len(layer), 2), np.float32)
-        for k, stack in enumerate(self.levels):
-            here = np.flatnonzero(level == k)
-            side = stack.shape[1]
-            column, row = (np.floor(uv[here] * side).astype(int) % side).T
-            out[here] = stack[layer[here], row, column]
-        return out / np.float32(255)

@@ -37,6 +37,27 @@ class Sun:
     power: NDArray[np.float64]
 
 
+@dataclass(frozen=True, eq=False)
+class Beam:
+    """Sunlight that comes into a room through a window in a wall that is otherwise closed.
+
+    Attributes:
+        corner: A corner of the opening, metres.
+        along: From there to the next corner.
+        up: And to the other neighbour.
+        panes: Panes in a row and in a column; the bars between them cast shadows.
+        towards: Unit vector to the sun.
+        power: Red, green, blue irradiance on a surface that faces the sun.
+    """
+
+    corner: NDArray[np.float64]
+    along: NDArray[np.float64]
+    up: NDArray[np.float64]
+    panes: int
+    towards: NDArray[np.float64]
+    power: NDArray[np.float64]
+
+
 class Aim(Enum):
     """What a camera is turned to."""
 
@@ -84,6 +105,8 @@ class Scene:
         clouds: Share of the sky that is clouded.
         eyes: Region where cameras stand, low corner and high corner, metres.
         outdoors: Whether cameras look as cars and walkers do, along z, or around a room.
+        beams: Sunlight through windows.
+        subjects: Regions worth a look from near, low corner and high corner, metres.
         road: Half the width of a road on y = 0 along z, in the middle; 0 where there is none.
         gloom: How much darker the thick of a cloud is than its rim, 0 to 1.
         haze: Share of a thing's light that is lost in each metre of air.
@@ -104,9 +127,11 @@ class Scene:
     eyes: tuple[NDArray[np.float64], NDArray[np.float64]]
     outdoors: bool
     road: float = 0.0
+    beams: tuple[Beam, ...] = ()
+    subjects: tuple[tuple[NDArray[np.float64], NDArray[np.float64]], ...] = ()
     gloom: float = 0.0
     haze: float = 0.0
     carriers: tuple[tuple[float, Carrier], ...] = ()
     subject: NDArray[np.float64] | None = None
-    nearest: float = 0.35
+    nearest: float = 0.2
     variety: int = 7

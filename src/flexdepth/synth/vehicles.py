@@ -223,22 +223,24 @@ def bicycle(rng: Generator) -> Parts:
     ring = np.stack([0 * angle, np.sin(angle), np.cos(angle)], 1)
     tyres = [wire(hub + radius * ring, 0.018) for hub in hubs]
     spokes = [
-        tube(hub + (s * 0.03, 0, 0), hub + 0.97 * radius * ring[k], (0.0018, 0.0018), 3)
+        tube(hub + np.array([s * 0.03, 0, 0]), hub + 0.97 * radius * ring[k], (0.0018, 0.0018), 3)
         for hub in hubs
         for k in range(0, 24, 2)
         for s in (-1, 1)
     ]
     seat, pedal, head = np.array([(0, 0.92, 0.2), (0, 0.3, 0.05), (0, 0.88, -0.36)])
     pairs = ((seat, pedal), (pedal, head), (head, hubs[0]), (seat, hubs[1]), (pedal, hubs[1]),
-             (seat + (0, -0.1, 0), head + (0, -0.08, 0)))  # fmt: skip
+             (seat - np.array([0, 0.1, 0]), head - np.array([0, 0.08, 0])))  # fmt: skip
     frame = [tube(a, b, (0.017, 0.017), 6) for a, b in pairs]
     bar = wire(head + np.array([(-0.3, 0.12, 0.16), (-0.27, 0.16, 0), (0, 0.14, -0.04),
                                 (0.27, 0.16, 0), (0.3, 0.12, 0.16)]), 0.013)  # fmt: skip
-    saddle = tube(seat + (0, 0.06, 0.1), seat + (0, 0.05, -0.12), (0.07, 0.025), 6)
+    saddle = tube(
+        seat + np.array([0, 0.06, 0.1]), seat + np.array([0, 0.05, -0.12]), (0.07, 0.025), 6
+    )
     guards = [wire(hub + (radius + 0.04) * ring[2:12], 0.014) for hub in hubs]
     crank = revolved([(0, -0.01), (0.09, -0.01), (0.09, 0.01), (0, 0.01)], 16).turned(
         np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
-    ).placed(pedal + (0.05, 0, 0))  # fmt: skip
+    ).placed(pedal + np.array([0.05, 0, 0]))  # fmt: skip
     shine = _paint(rng)
     parts = [
         Part(joined([*tyres, saddle]), material(rng, "tyre")),

@@ -57,6 +57,8 @@ ON_FOOT = ((0.65, replace(HAND, aim=Aim.AROUND)), (0.12, TURNED), (0.14, ROBOT),
 
 def viewpoint(rng: Generator, scene: Scene, aspect: float) -> Viewpoint:
     """Return a random viewpoint of one of the scene's carriers; hand-held where there are none."""
+    if scene.subjects and rng.random() < 0.35:
+        return _near(rng, scene, aspect)
     eye = rng.uniform(*scene.eyes)
     if scene.carriers:
         carrier = _drawn(rng, scene.carriers)
@@ -69,6 +71,23 @@ def viewpoint(rng: Generator, scene: Scene, aspect: float) -> Viewpoint:
     across = 0.5 / np.tan(np.radians(degrees) / 2)
     focal = float(across * aspect / np.hypot(aspect, 1))
     return Viewpoint(eye, looking(yaw, pitch, roll), focal)
+
+
+def _near(rng: Generator, scene: Scene, aspect: float) -> Viewpoint:
+    """Return a viewpoint 0.3 to 1.5 m from a point of a thing, mostly from above."""
+    low, high = scene.subjects[int(rng.integers(len(scene.subjects)))]
+    point = rng.uniform(low, high)
+    point[1] = high[1] if rng.random() < 0.6 else point[1]
+    away, up = rng.uniform(0, 2 * np.pi), rng.uniform(0.05, 0.9)
+    distance = np.exp(rng.uniform(np.log(0.35), np.log(1.5)))
+    path = np.array([np.cos(away) * np.cos(up), np.sin(up), np.sin(away) * np.cos(up)])
+    eye = np.clip(point + distance * path, scene.eyes[0] * (1, 0, 1), scene.eyes[1])
+    sight = point + rng.normal(0, 0.1, 3) - eye
+    yaw, pitch = np.arctan2(sight[0], sight[2]), np.arctan2(sight[1], np.hypot(sight[0], sight[2]))
+    across = 0.5 / np.tan(np.radians(rng.uniform(35, 75)) / 2)
+    roll = float(rng.normal(0, 0.08))
+    focal = float(across * aspect / np.hypot(aspect, 1))
+    return Viewpoint(eye, looking(float(yaw), float(pitch), roll), focal)
 
 
 def _drawn(rng: Generator, carriers: tuple[tuple[float, Carrier], ...]) -> Carrier:

@@ -10,15 +10,19 @@ from numpy.random import Generator
 
 from flexdepth.synth.close_ups import close_up, flowers, hoop
 from flexdepth.synth.landscapes import landscape
-from flexdepth.synth.rooms import cellar, room
+from flexdepth.synth.rooms import cellar, cookery, corridor, home, office, shop
 from flexdepth.synth.scene import Scene
 from flexdepth.synth.streets import street
 
 Make = Callable[[Generator], Scene]
 
 INDOORS: tuple[tuple[float, Make], ...] = (
-    (0.75, room),
-    (0.25, cellar),
+    (0.3, home),
+    (0.17, office),
+    (0.2, cookery),
+    (0.07, shop),
+    (0.06, corridor),
+    (0.2, cellar),
 )
 """Kinds of scenes under a roof, each with its share; only the shares' ratios count."""
 
