@@ -21,6 +21,7 @@ from flexdepth.training.batches import BatchSettings
 from flexdepth.training.checkpoint import load, source
 from flexdepth.training.loop import LoopSettings
 from flexdepth.training.optimiser import SGDPolynomial
+from flexdepth.training.validation import SCORES
 
 
 @pytest.fixture(scope="module")
@@ -179,7 +180,8 @@ def test_a_run_leaves_curves_and_pictures(finished):
     events = EventAccumulator(str(finished[0] / "tensorboard"))
     events.Reload()
     terms = {"term/total", "term/silog", "term/gradient", "term/sky"}
-    assert set(events.Tags()["scalars"]) == {"rate", "held_out_abs_rel", *terms}
+    scores = {f"held_out_{name}" for name in SCORES}
+    assert set(events.Tags()["scalars"]) == {"rate", *scores, *terms}
     assert events.Tags()["images"] == ["000000", "000001", "000002"]
     assert [event.step for event in events.Images("000002")] == [1, 2]
 

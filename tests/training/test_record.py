@@ -6,7 +6,7 @@ import torch
 from flexdepth.runtime.errors import InputError
 from flexdepth.training import record as recorded
 from flexdepth.training.curves import Curves
-from flexdepth.training.record import Record, span, taken_up
+from flexdepth.training.record import Record, span, taken_up, validations
 
 
 @pytest.fixture
@@ -50,9 +50,20 @@ def test_the_last_iteration_has_a_line_whatever_its_number(record, said):
 
 
 def test_the_score_of_a_validation_is_logged_and_said(record, said):
-    record.score(4, 0.25)
+    record.scores(4, {"abs_rel": 0.25, "rmse": 1.5})
     assert said == ["4/6  held-out AbsRel 0.2500"]
-    assert record.path.read_text() == '{"iteration": 4, "held_out_abs_rel": 0.25}\n'
+    logged = '{"iteration": 4, "held_out_abs_rel": 0.25, "held_out_rmse": 1.5}\n'
+    assert record.path.read_text() == logged
+
+
+def test_a_log_gives_its_validations_back_in_order(record):
+    noted(record, 1, 2)
+    record.scores(2, {"abs_rel": 0.25, "rmse": 1.5})
+    noted(record, 3, 4)
+    record.scores(4, {"abs_rel": 0.125, "rmse": 1.0})
+    first, second = validations(record.path)
+    assert first == {"abs_rel": 0.25, "rmse": 1.5}
+    assert second == {"abs_rel": 0.125, "rmse": 1.0}
 
 
 @pytest.mark.parametrize(
@@ -98,4 +109,4 @@ def test_where_there_is_no_log_there_are_no_scores(tmp_path):
 def test_a_log_that_cannot_be_written_stops_the_run_in_one_line(record):
     record.path.mkdir()
     with pytest.raises(InputError, match=r"log\.jsonl: cannot be written: Is a directory"):
-        record.score(1, 0.5)
+        record.scores(1, {"abs_rel": 0.5})

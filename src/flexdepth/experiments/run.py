@@ -22,7 +22,7 @@ from flexdepth.training.processes import Place, joined
 from flexdepth.training.record import Record, Silence, taken_up
 from flexdepth.training.validation import pictures
 
-LATEST, BEST = "latest.safetensors", "best.safetensors"
+LATEST, BEST, LOG = "latest.safetensors", "best.safetensors", "log.jsonl"
 """Files in a run's folder; the best has the lowest held-out error of the averaged weights."""
 
 
@@ -78,7 +78,7 @@ def _train_in(
     check_writable(folder)
     folder.mkdir(parents=True, exist_ok=True)
     discard_unfinished(folder)
-    log = folder / "log.jsonl"
+    log = folder / LOG
     lowest = min(taken_up(log, run.iteration), default=inf)
     curves = Curves(folder / "tensorboard", run.iteration, show)
     record = Record(log, experiment.loop.iterations, show, curves)
@@ -109,7 +109,7 @@ def _begun(experiment: Experiment, latest: Path, place: Place) -> Run:
     if theirs != experiment:
         raise InputError(
             f"{latest}: belongs to a run of other settings; take another folder "
-            f"({_difference(CODEC.plain(theirs), CODEC.plain(experiment))})"
+            f"({difference(theirs, experiment)})"
         )
     run = Run.started(network, experiment.loop, place)
     run.resume(found, str(latest))
@@ -133,8 +133,13 @@ def _check_shapes(network: nn.Module, experiment: Experiment) -> None:
             ) from error
 
 
+def difference(theirs: Experiment, ours: Experiment) -> str:
+    """Return where two experiments first differ: `loop.seed: 1 there, 2 here`."""
+    return _difference(CODEC.plain(theirs), CODEC.plain(ours))
+
+
 def _difference(theirs: object, ours: object, name: str = "") -> str:
-    """Return where two settings as plain values first differ: `loop.seed: 1 there, 2 here`."""
+    """Return where two settings as plain values first differ."""
     if isinstance(theirs, dict) and isinstance(ours, dict):
         kinds = theirs.get("_type"), ours.get("_type")
         if kinds[0] == kinds[1]:

@@ -13,3 +13,8 @@ class InputError(ValueError):
 def one_line(message: str) -> str:
     """Return the message with the line ends and control characters of file names escaped."""
     return "".join(each if each.isprintable() else ascii(each)[1:-1] for each in message)
+
+
+def reason(error: BaseException | str) -> str:
+    """Return what an exception of a library says, on one line; its kind where it says nothing."""
+    return " ".join(str(error).split()) or type(error).__name__

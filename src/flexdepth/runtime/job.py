@@ -1,17 +1,15 @@
 """What `flexdepth predict` has been asked to do, and what became of each input."""
 
 import errno
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 
 from flexdepth.runtime.errors import InputError
-from flexdepth.runtime.opening import open_input
-from flexdepth.runtime.origin import Origin
+from flexdepth.runtime.estimator import Estimator
+from flexdepth.runtime.origin import Origin, digest
 from flexdepth.runtime.outputs import Output
-from flexdepth.runtime.predictor import Predictor
 
 
 class Status(StrEnum):
@@ -36,7 +34,7 @@ class Job:
         batch: How many pictures of one size share a run of the network.
     """
 
-    predictor: Predictor
+    predictor: Estimator
     folder: Path
     outputs: tuple[Output, ...]
     overwrite: bool = False
@@ -49,17 +47,10 @@ class Job:
         Raises:
             InputError: The input cannot be read.
         """
-        digest = hashlib.sha256()
-        with open_input(path) as file:
-            while part := file.read(1 << 20):
-                digest.update(part)
         return {
-            "input": f"sha256:{digest.hexdigest()}",
-            "model": f"sha256:{self.predictor.model.digest}",
-            "lens": str(self.predictor.lens or "the photo's own"),
-            "look": self.predictor.look.__name__,
-            "long_side": str(self.predictor.long_side or "by area"),
-            "tiles": str(self.predictor.tiles),
+            "input": digest(path),
+            "model": f"sha256:{self.predictor.about.digest}",
+            **self.predictor.settings,
         }
 
 

@@ -14,8 +14,8 @@ SHADOW_RAYS = 3
 _SOFTNESS = 0.15
 """Square metres added to a lamp's square distance: no lamp is a point."""
 
-_WAVES = np.array([(2.1, 9.0), (-5.3, 14.0), (13.0, 31.0), (0.7, 3.1), (-23.0, 47.0)])
-"""Waves of water, as radians a metre along x and z."""
+_GLANCE = 400.0
+"""Pixels of focal length that decide how fine a texture is when seen in a mirror."""
 
 
 def surface_colours(stage: Stage, hits: Hits) -> tuple[Array, Array]:
@@ -55,13 +55,15 @@ def mirrored(rng: Generator, stage: Stage, dome: Dome, hits: Hits) -> tuple[Arra
         return share, light
     gloss, rough = stage.gloss[material[shiny], None], stage.rough[material[shiny], None]
     wild = rough * rng.standard_normal((len(shiny), 3), np.float32)
-    normal = unit(hits.shading[shiny] + wild + _waves(stage, hits, shiny))
+    waves = _waves(hits, shiny, stage.ripple[material[shiny]])
+    normal = unit(hits.shading[shiny] + wild + waves)
     towards = hits.towards[shiny]
     cosine = np.clip(dot(normal, towards), 0, 1)[:, None]
     share[shiny] = gloss + np.maximum(0, 1 - rough * 2) * (1 - gloss) * (1 - cosine) ** 5
     away = (2 * cosine * normal - towards).astype(np.float32)
-    start = hits.point[shiny]
-    seen, _ = stage.hits(start, away, 400.0)
+    # Neither a wave nor a smooth normal may send light into the triangle itself.
+    away -= np.minimum(dot(away, hits.normal[shiny]) - 0.01, 0)[:, None] * hits.normal[shiny]
+    seen, _ = stage.hits(hits.point[shiny], away, _GLANCE)
     other = dome.light(away)
     emitted, albedo = surface_colours(stage, seen)
     # One stray ray that meets a lamp would be a spark.
@@ -70,31 +72,18 @@ def mirrored(rng: Generator, stage: Stage, dome: Dome, hits: Hits) -> tuple[Arra
     return share, light
 
 
-def _waves(stage: Stage, hits: Hits, which: NDArray[np.intp]) -> Array:
-    """Return by how much waves tip the normals, where a surface has them."""
-    ripple = stage.ripple[stage.material[hits.triangle[which]], None]
+def _waves(hits: Hits, which: NDArray[np.intp], ripple: Array) -> Array:
+    """Return what waves add to the normals, where a surface has them."""
     tip = np.zeros((len(which), 3), np.float32)
     if not ripple.any():
         return tip
     place = hits.point[which][:, [0, 2]]
-    for number in _WAVES:
+    for number in np.array([(2.1, 9.0), (-5.3, 14.0), (13.0, 31.0), (0.7, 3.1), (-23.0, 47.0)]):
         # Waves shorter than two pixels are not seen as such.
         length = 2 * np.pi / np.hypot(*number)
         seen = np.clip(length / (2 * hits.footprint[which]), 0, 1) ** 2
         tip[:, [0, 2]] += (np.cos(place @ number) * seen)[:, None] * (0.3, 1.0)
-    return np.asarray(ripple * tip, np.float32)
-
-
-def hazy(dome: Dome, hits: Hits, eye: NDArray[np.float64], light: Array) -> Array:
-    """Return the light that is left after the air between, and what the air adds of its own."""
-    haze = dome.scene.haze
-    if haze == 0 or not hits.ray.size:
-        return light
-    path = hits.point - eye
-    distance = np.linalg.norm(path, axis=1, keepdims=True)
-    kept = np.exp(-haze * distance)
-    level = path / distance * (1, 0, 1) + (0, 0.03, 0)
-    return np.asarray(kept * light + (1 - kept) * dome.light(level.astype(np.float32)), np.float32)
+    return np.asarray(ripple[:, None] * tip, np.float32)
 
 
 def _ambient(rng: Generator, stage: Stage, hits: Hits) -> Array:

@@ -139,6 +139,7 @@ def furnished(rng: Generator, kind: Kind) -> Scene:
         outdoors=False,
         beams=tuple(beams) if not dark else (),
         subjects=tuple(subjects),
+        nearest=0.2,
     )
 
 

@@ -62,7 +62,7 @@ class Stage:
         glow: Light it emits.
         gloss: Share of the light that it mirrors.
         rough: How far mirrored rays stray.
-        ripple: How steep the waves on it are.
+        ripple: How steep its waves are.
         layer: Its texture in the library.
         library: The textures.
     """

@@ -55,9 +55,13 @@ ON_FOOT = ((0.65, replace(HAND, aim=Aim.AROUND)), (0.12, TURNED), (0.14, ROBOT),
 """Who holds cameras away from roads."""
 
 
+_CLOSE = 0.35
+"""Share of the pictures in a room that are taken of a thing from near."""
+
+
 def viewpoint(rng: Generator, scene: Scene, aspect: float) -> Viewpoint:
     """Return a random viewpoint of one of the scene's carriers; hand-held where there are none."""
-    if scene.subjects and rng.random() < 0.35:
+    if scene.subjects and rng.random() < _CLOSE:
         return _near(rng, scene, aspect)
     eye = rng.uniform(*scene.eyes)
     if scene.carriers:

@@ -64,12 +64,30 @@ def load(path: Path) -> Checkpoint:
     Raises:
         InputError: The file is missing, is no checkpoint of flexdepth, or is of another format.
     """
+    words, tensors = _read(path, with_tensors=True)
+    settings, said = json.loads(words["settings"]), words.get("source", "")
+    return Checkpoint(int(words["iteration"]), settings, tensors, said)
+
+
+def progress(path: Path) -> tuple[int, Mapping[str, Any]]:
+    """Return the iteration and the settings of a checkpoint; its tensors are not read.
+
+    Raises:
+        InputError: As in `load`.
+    """
+    words, _ = _read(path, with_tensors=False)
+    settings: Mapping[str, Any] = json.loads(words["settings"])
+    return int(words["iteration"]), settings
+
+
+def _read(path: Path, *, with_tensors: bool) -> tuple[Mapping[str, str], dict[str, Tensor]]:
     if not path.is_file():
         raise InputError(f"{path}: no such checkpoint")
     try:
         with safe_open(path, framework="pt") as file:
-            words = file.metadata() or {}
-            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+            words: Mapping[str, str] = file.metadata() or {}
+            names = file.keys() if with_tensors else ()
+            tensors = {name: file.get_tensor(name) for name in names}
     except (SafetensorError, OSError) as error:
         raise InputError(f"{path}: not a readable safetensors file ({error})") from error
     if words.get("format") != FORMAT or "settings" not in words:
@@ -77,8 +95,7 @@ def load(path: Path) -> Checkpoint:
             f"{path}: wanted a flexdepth checkpoint of format {FORMAT}, "
             f"got format {words.get('format', 'of something else')}"
         )
-    settings, said = json.loads(words["settings"]), words.get("source", "")
-    return Checkpoint(int(words["iteration"]), settings, tensors, said)
+    return words, tensors
 
 
 def source() -> str:

@@ -17,7 +17,10 @@ from flexdepth.training.curves import Curves
 LOGGED_EVERY = 50
 """Iterations; the terms are their mean over so many."""
 
-_SCORE = "held_out_abs_rel"
+HELD_OUT = "held_out_"
+"""What the scores of a validation are called by in the log, before the names of their metrics."""
+
+_SCORE = f"{HELD_OUT}abs_rel"
 
 
 @runtime_checkable
@@ -28,8 +31,8 @@ class Listener(Protocol):
         """Hear the learning rate and the terms of one iteration."""
         ...
 
-    def score(self, number: int, score: float) -> None:
-        """Hear the score of a validation."""
+    def scores(self, number: int, scores: Mapping[str, float]) -> None:
+        """Hear the scores of a validation, by the names of their metrics."""
         ...
 
 
@@ -39,7 +42,7 @@ class Silence:
     def iteration(self, number: int, rate: float, parts: Mapping[str, Tensor]) -> None:
         """Do nothing."""
 
-    def score(self, number: int, score: float) -> None:
+    def scores(self, number: int, scores: Mapping[str, float]) -> None:
         """Do nothing."""
 
 
@@ -81,11 +84,12 @@ class Record:
         self.show(f"{number}/{self.iterations}  {terms}  {seconds:.2f} s/it, {span(left)} left")
         self._recent = []
 
-    def score(self, number: int, score: float) -> None:
-        """Note the score of a validation."""
-        self._write({"iteration": number, _SCORE: score})
-        self.curves.draw(number, {_SCORE: score})
-        self.show(f"{number}/{self.iterations}  held-out AbsRel {score:.4f}")
+    def scores(self, number: int, scores: Mapping[str, float]) -> None:
+        """Note the scores of a validation, AbsRel among them."""
+        named = {f"{HELD_OUT}{name}": value for name, value in scores.items()}
+        self._write({"iteration": number, **named})
+        self.curves.draw(number, named)
+        self.show(f"{number}/{self.iterations}  held-out AbsRel {named[_SCORE]:.4f}")
 
     def pictures(self, number: int, named: Mapping[str, Pixels]) -> None:
         """Note what the network makes of some images."""
@@ -125,6 +129,15 @@ def taken_up(path: Path, iteration: int) -> list[float]:
         lines = (json.dumps(entry) + "\n" for entry in kept)
         temporary.write_text("".join(lines), encoding="utf-8")
     return [float(entry[_SCORE]) for entry in kept if _SCORE in entry]
+
+
+def validations(path: Path) -> list[Mapping[str, float]]:
+    """Return the scores of every validation in a log, in order, by the names of their metrics."""
+    return [
+        {k.removeprefix(HELD_OUT): float(v) for k, v in entry.items() if k.startswith(HELD_OUT)}
+        for entry in _entries(path)
+        if _SCORE in entry
+    ]
 
 
 def _entries(path: Path) -> list[dict[str, Any]]:
