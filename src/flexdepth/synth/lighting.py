@@ -14,6 +14,17 @@ SHADOW_RAYS = 3
 _SOFTNESS = 0.15
 """Square metres added to a lamp's square distance: no lamp is a point."""
 
+_DENTS = [
+    (np.array(number, np.float32), np.array(way, np.float32))
+    for number, way in (
+        ((130, 40, 90), (0.5, 0.2, 0.9)),
+        ((-210, 160, 50), (0.3, 0.9, -0.4)),
+        ((60, -330, 280), (-0.8, 0.5, 0.3)),
+        ((25, 31, -44), (0.7, -0.4, 0.6)),
+    )
+]
+"""Radians a metre along x, y and z, and the way in which normals are tipped."""
+
 _GLANCE = 400.0
 """Pixels of focal length that decide how fine a texture is when seen in a mirror."""
 
@@ -41,7 +52,7 @@ def irradiance(rng: Generator, stage: Stage, hits: Hits) -> Array:
     return total
 
 
-def mirrored(rng: Generator, stage: Stage, dome: Dome, hits: Hits) -> tuple[Array, Array]:
+def mirrored(stage: Stage, dome: Dome, hits: Hits) -> tuple[Array, Array]:
     """Return the share of light that each hit mirrors, and that light.
 
     The share follows Schlick, An inexpensive BRDF model for physically-based rendering, 1994.
@@ -54,9 +65,9 @@ def mirrored(rng: Generator, stage: Stage, dome: Dome, hits: Hits) -> tuple[Arra
     if not shiny.size:
         return share, light
     gloss, rough = stage.gloss[material[shiny], None], stage.rough[material[shiny], None]
-    wild = rough * rng.standard_normal((len(shiny), 3), np.float32)
+    dents = 0.5 * rough * _dents(hits, shiny)
     waves = _waves(hits, shiny, stage.ripple[material[shiny]])
-    normal = unit(hits.shading[shiny] + wild + waves)
+    normal = unit(hits.shading[shiny] + dents + waves)
     towards = hits.towards[shiny]
     cosine = np.clip(dot(normal, towards), 0, 1)[:, None]
     share[shiny] = gloss + np.maximum(0, 1 - rough * 2) * (1 - gloss) * (1 - cosine) ** 5
@@ -70,6 +81,16 @@ def mirrored(rng: Generator, stage: Stage, dome: Dome, hits: Hits) -> tuple[Arra
     other[seen.ray] = np.minimum(emitted, 6) + albedo * _plain_light(stage, seen)
     light[shiny] = other
     return share, light
+
+
+def _dents(hits: Hits, which: NDArray[np.intp]) -> Array:
+    """Return the uneven part of normals, of spread 1: a rough mirror without a grain of noise."""
+    place = hits.point[which]
+    tip = np.zeros((len(which), 3), np.float32)
+    for number, way in _DENTS:
+        seen = np.clip(np.pi / np.linalg.norm(number) / hits.footprint[which], 0, 1) ** 2
+        tip += (np.sin(place @ number) * seen)[:, None] * way
+    return tip
 
 
 def _waves(hits: Hits, which: NDArray[np.intp], ripple: Array) -> Array:

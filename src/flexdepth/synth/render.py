@@ -56,7 +56,7 @@ def render(
     guide[seen] = 0.5 * hits.shading + np.log(depth[seen, None])
     shape = height, width, 3
     smooth = _denoised(arriving.reshape(shape), guide.reshape(shape)).reshape(-1, 3)
-    share, other = mirrored(rng, stage, dome, hits)
+    share, other = mirrored(stage, dome, hits)
     own = emitted + (1 - share) * albedo * smooth[seen] + share * other
     light[seen] = _hazy(stage.scene, dome, hits, view.eye, own)
     return Rendering(light.reshape(height, width, 3), depth.reshape(height, width), focal)
