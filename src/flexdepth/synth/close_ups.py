@@ -13,11 +13,11 @@ from flexdepth.synth.flowers import bed, daisy, grass, herb, sunflower
 from flexdepth.synth.furniture import Parts, ball, placed
 from flexdepth.synth.landscapes import landscape
 from flexdepth.synth.materials import Part, material
-from flexdepth.synth.outdoor_things import bicycle
 from flexdepth.synth.scene import Aim, Carrier, Scene
 from flexdepth.synth.shapes import Array, box, joined, tube, wire
 from flexdepth.synth.streets import street
 from flexdepth.synth.trees import shrub
+from flexdepth.synth.vehicles import bicycle
 
 Make = Callable[[Generator], Parts]
 

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.random import Generator
 
+from flexdepth.synth.buildings import building
 from flexdepth.synth.furniture import Parts
 from flexdepth.synth.materials import Part, material
-from flexdepth.synth.outdoor_things import house
 from flexdepth.synth.shapes import blob, revolved, tube
 
 
@@ -32,4 +32,4 @@ def log(rng: Generator) -> Parts:
 
 def barn(rng: Generator) -> Parts:
     """A house by itself."""
-    return house(rng, float(rng.uniform(6, 16)))
+    return building(rng, float(rng.uniform(6, 16)), 0.0)

@@ -27,6 +27,8 @@ _DENTS = [
 
 _GLANCE = 400.0
 """Pixels of focal length that decide how fine a texture is when seen in a mirror."""
+_WAVES = np.array([(2.1, 9.0), (-5.3, 14.0), (13.0, 31.0), (0.7, 3.1), (-23.0, 47.0)])
+"""Waves of water, as radians a metre along x and z."""
 
 
 def surface_colours(stage: Stage, hits: Hits) -> tuple[Array, Array]:
@@ -99,12 +101,24 @@ def _waves(hits: Hits, which: NDArray[np.intp], ripple: Array) -> Array:
     if not ripple.any():
         return tip
     place = hits.point[which][:, [0, 2]]
-    for number in np.array([(2.1, 9.0), (-5.3, 14.0), (13.0, 31.0), (0.7, 3.1), (-23.0, 47.0)]):
+    for number in _WAVES:
         # Waves shorter than two pixels are not seen as such.
         length = 2 * np.pi / np.hypot(*number)
         seen = np.clip(length / (2 * hits.footprint[which]), 0, 1) ** 2
         tip[:, [0, 2]] += (np.cos(place @ number) * seen)[:, None] * (0.3, 1.0)
     return np.asarray(ripple[:, None] * tip, np.float32)
+
+
+def hazy(dome: Dome, hits: Hits, eye: NDArray[np.float64], light: Array) -> Array:
+    """Return the light that is left after the air between, and what the air adds of its own."""
+    haze = dome.scene.haze
+    if haze == 0 or not hits.ray.size:
+        return light
+    path = hits.point - eye
+    distance = np.linalg.norm(path, axis=1, keepdims=True)
+    kept = np.exp(-haze * distance)
+    level = path / distance * (1, 0, 1) + (0, 0.03, 0)
+    return np.asarray(kept * light + (1 - kept) * dome.light(level.astype(np.float32)), np.float32)
 
 
 def _ambient(rng: Generator, stage: Stage, hits: Hits) -> Array:

@@ -198,10 +198,15 @@ def leaves(rng: Generator, size: ArrayLike, count: int, leaf: float) -> Mesh:
     direction = rng.normal(size=(count, 3))
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     centre = direction * rng.uniform(0.3, 1, (count, 1)) ** 0.5 * np.asarray(size, float) / 2
-    along, across = rng.normal(0, leaf / 2, (2, count, 3))
-    corners = np.stack([centre - along, centre + across, centre + along], 1)
+    return leaves_at(rng, centre, leaf)
+
+
+def leaves_at(rng: Generator, spots: Array, leaf: float) -> Mesh:
+    """Return a small leaf of length `leaf` at each spot, turned anyhow."""
+    along, across = rng.normal(0, leaf / 2, (2, len(spots), 3))
+    corners = np.stack([spots - along, spots + across, spots + along], 1)
     uv = np.array([(0, 0), (leaf, 0), (leaf, leaf)])
-    return Mesh(corners, np.broadcast_to(uv, (count, 3, 2)).copy())
+    return Mesh(corners, np.broadcast_to(uv, (len(spots), 3, 2)).copy())
 
 
 def curtain(rng: Generator, width: float, height: float, fold: float) -> Mesh:

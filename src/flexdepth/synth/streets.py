@@ -6,15 +6,29 @@ from dataclasses import replace
 import numpy as np
 from numpy.random import Generator
 
+from flexdepth.synth.buildings import building
 from flexdepth.synth.bystanders import bystander
 from flexdepth.synth.furniture import Parts, placed
 from flexdepth.synth.landscapes import under
 from flexdepth.synth.materials import Part, material
-from flexdepth.synth.outdoor_things import bicycle, fence, house, pole, vehicle
-from flexdepth.synth.scene import Scene
+from flexdepth.synth.outdoor_things import fence, pole
+from flexdepth.synth.scene import AreaLight, Scene
 from flexdepth.synth.shapes import Mesh, blob, box, joined, quad
 from flexdepth.synth.skies import weather
+from flexdepth.synth.street_things import (
+    bench,
+    bin_,
+    bollards,
+    bus_stop,
+    cables,
+    hedge,
+    hoarding,
+    lamp_post,
+    letter_box,
+    stall,
+)
 from flexdepth.synth.trees import far_tree, shrub, tree
+from flexdepth.synth.vehicles import bicycle, vehicle
 from flexdepth.synth.viewpoints import ON_ROADS
 
 _REACH = 140.0
@@ -25,15 +39,22 @@ def street(rng: Generator) -> Scene:
     """Return a street, a country road or a yard, with the camera on the road or the pavement."""
     half_road = rng.uniform(2.2, 8.0)
     pavement = rng.uniform(0.0, 4.0) if rng.random() < 0.8 else 0.0
+    above = weather(rng)
+    lit = float(rng.uniform(0.15, 0.7)) if above.dark else 0.0
     parts = _ground(rng, half_road, pavement)
     for side in (-1, 1):
-        parts += _roadside(rng, side, half_road, pavement)
+        parts += _roadside(rng, side, (half_road, pavement), lit)
     parts += _traffic(rng, half_road)
+    if rng.random() < 0.25:
+        parts += cables(rng, _REACH, half_road + pavement + 0.3)
     parts += _far(rng)
+    posts, lamps = _lamp_posts(rng, half_road, above.dark)
+    parts += posts
     x = half_road + pavement * 0.7
-    scene = under(rng, parts, weather(rng))
+    scene = under(rng, parts, above)
     return replace(
         scene,
+        lamps=lamps,
         eyes=(np.array([-x, 1.0, -25.0]), np.array([x, 2.0, 25.0])),
         carriers=ON_ROADS,
         variety=6,
@@ -77,8 +98,28 @@ def _marks(rng: Generator, half_road: float) -> Mesh:
     return joined(marks)
 
 
-def _roadside(rng: Generator, side: int, half_road: float, pavement: float) -> Parts:
+def _lamp_posts(rng: Generator, half_road: float, dark: bool) -> tuple[Parts, list[AreaLight]]:
+    """Return a row of street lamps; in the dark those near the cameras light the street."""
+    if rng.random() < (0.1 if dark else 0.55):
+        return [], []
+    parts: Parts = []
+    lamps = []
+    model, light = lamp_post(rng, dark)
+    tint = np.array([1.0, rng.uniform(0.6, 1.0), rng.uniform(0.25, 1.0)])
+    apart, strength = rng.uniform(18, 40), rng.uniform(6, 25)
+    for k, z in enumerate(np.arange(-_REACH, _REACH, apart)):
+        side = 1 if k % 2 else -1
+        spot, yaw = (side * (half_road + 0.4), 0.0, z), 0.0 if side < 0 else np.pi
+        parts += placed(model, spot, yaw)
+        if dark and abs(z) < 45:
+            at = np.array([spot[0] - side * light[0], light[1], z])
+            lamps.append(AreaLight(at, 0.3, tint * strength * light[1]))
+    return parts, lamps
+
+
+def _roadside(rng: Generator, side: int, widths: tuple[float, float], lit: float) -> Parts:
     """Return what lines one side of the road: houses, gardens, trees, poles, cars, people."""
+    half_road, pavement = widths
     kerb = half_road + pavement
     setback = kerb + (rng.exponential(1.5) if rng.random() < 0.5 else rng.uniform(3, 15))
     built = rng.choice([0.15, 0.6, 0.95])
@@ -88,7 +129,7 @@ def _roadside(rng: Generator, side: int, half_road: float, pavement: float) -> P
     while z < _REACH:
         width = rng.uniform(6, 22)
         if rng.random() < built:
-            parts += placed(house(rng, width), (side * setback, 0, z + width / 2), yaw)
+            parts += placed(building(rng, width, lit), (side * setback, 0, z + width / 2), yaw)
         elif rng.random() < 0.5:
             for _ in range(int(rng.integers(1, 4))):
                 spot = (side * (setback + rng.exponential(8)), 0, z + rng.uniform(0, width))
@@ -100,13 +141,22 @@ def _roadside(rng: Generator, side: int, half_road: float, pavement: float) -> P
         (shrub, (kerb + setback) / 2, rng.choice([0, 0.06]), yaw),
         (fence, setback - 0.4, rng.choice([0, 0.03]), yaw),
         (bystander, kerb - 0.5 * pavement, rng.choice([0.01, 0.05]), 0),
-        (bicycle, kerb - 0.4 * pavement, 0.01, 0),
+        (bicycle, kerb - 0.4 * pavement, rng.choice([0.005, 0.03]), 0),
+        (hedge, setback - 0.6, rng.choice([0, 0.015]), yaw),
+        (_furniture, kerb - 0.3 * pavement, rng.choice([0.01, 0.04]), yaw),
     )
     for make, x, density, heading in things:
         for _ in range(int(rng.poisson(density * 2 * _REACH))):
             spot = (side * (x + rng.normal(0, 0.4)), 0, rng.uniform(-_REACH, _REACH))
             parts += placed(make(rng), spot, heading + rng.normal(0, 0.15))
     return parts + _parked(rng, side, half_road)
+
+
+_FURNITURE = (bench, bin_, bin_, letter_box, bollards, bus_stop, hoarding, stall)
+
+
+def _furniture(rng: Generator) -> Parts:
+    return _FURNITURE[int(rng.integers(len(_FURNITURE)))](rng)
 
 
 def _parked(rng: Generator, side: int, half_road: float) -> Parts:
@@ -150,7 +200,9 @@ def _far(rng: Generator) -> Parts:
         elif kind < 0.7:
             yaw = 0.0 if end > 0 else np.pi
             for x in range(-60, 60, 16):
-                parts += placed(house(rng, 15), (x, 0, end * (_REACH + rng.uniform(2, 10))), yaw)
+                parts += placed(
+                    building(rng, 15, 0.0), (x, 0, end * (_REACH + rng.uniform(2, 10))), yaw
+                )
         for _ in range(int(rng.integers(0, 12))):
             spot = (rng.normal(0, 40), 0, end * (_REACH + rng.uniform(0, 60)))
             parts += placed(far_tree(rng), spot)
