@@ -133,9 +133,12 @@ def _refuse_other_files(file: Path, content: bytes) -> None:
     try:
         elsewhere = names_other_files(content)
     except ValueError as error:
-        raise InputError(
-            f"{file}: wanted an ONNX model, got {error}; --model takes an .onnx bundle"
-        ) from error
+        todo = (
+            f"make a bundle of the checkpoint first: flexdepth export {file} -o own.onnx"
+            if file.suffix == ".safetensors"
+            else "--model takes an .onnx bundle"
+        )
+        raise InputError(f"{file}: wanted an ONNX model, got {error}; {todo}") from error
     if elsewhere:
         raise InputError(
             f"{file}: the model keeps weights in other files, which a bundle must not; save it as "
