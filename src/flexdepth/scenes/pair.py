@@ -61,6 +61,10 @@ class PairSettings:
                 "--stereo and --baseline belong together: the right camera's picture, and how many "
                 "metres it is beside the left one"
             )
+        if self.objective.is_the_dissertations and (self.files.third or self.files.right):
+            raise InputError(
+                f"--objective {self.objective} takes two frames: leave --third and --stereo out"
+            )
         if self.baseline is not None and not 0 < self.baseline < np.inf:
             raise InputError(f"--baseline: wanted metres, above 0, got {self.baseline:g}")
 
@@ -138,12 +142,12 @@ def solve(settings: PairSettings, say: Callable[[str], None] = lambda _step: Non
         other = _named("the right picture", others, pictures["key"], pictures["right"])
         stereo, notes = right_view(other, settings.baseline, str(settings.files.right))
     prior = None
-    if settings.prior is not None:
+    if settings.prior is not None and not settings.objective.is_the_dissertations:
         say("looking at the key frame alone")
         prior = single_image_depth(settings.prior, pictures["key"], views.camera)
     say("solving")
     seen = Seen(flow.flow, flow.noise, views.camera, pictures["key"], _prior(prior), third, stereo)
-    found = solved(settings.objective, seen)
+    found = solved(settings.objective, seen, pictures["key"], pictures["target"])
     model = f"flexdepth solve ({settings.objective})"
     if prior is not None:
         model += f", {prior.model}"
