@@ -7,7 +7,17 @@ from numpy.random import Generator
 
 from flexdepth.synth.furniture import Parts
 from flexdepth.synth.materials import Material, Part, material
-from flexdepth.synth.shapes import Array, Mesh, blob, joined, leaves, revolved, surface, tube, wire
+from flexdepth.synth.shapes import (
+    Mesh,
+    blob,
+    joined,
+    leaves,
+    revolved,
+    rods,
+    surface,
+    tube,
+    wire,
+)
 
 _FOLIAGE = ("leaf", "leaf", "leaf", "leaf", "autumn", "blossom")
 
@@ -119,25 +129,9 @@ def bare(rng: Generator) -> Parts:
         turned = turned + rng.normal(0, 0.42, base.shape) + (0, 0.12, 0)
         tip = base + length * turned / np.linalg.norm(turned, axis=1, keepdims=True)
         radius *= 0.58
-        limbs.append(_twigs(base, tip, max(radius, 0.006)))
+        limbs.append(rods(base, tip, max(radius, 0.006)))
         start, end = base, tip
     return [Part(joined(limbs), material(rng, "bark"))]
-
-
-def _twigs(base: Array, tip: Array, radius: float) -> Mesh:
-    """Return three-sided spikes from each base to each tip."""
-    along = tip - base
-    side = np.cross(along, (0.3, 0.2, 1.0))
-    side *= radius / np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-9)
-    other = np.cross(along / np.linalg.norm(along, axis=1, keepdims=True), side)
-    ring = [side, -0.5 * side + 0.87 * other, -0.5 * side - 0.87 * other]
-    faces = []
-    for k in range(3):
-        a, b = base + ring[k], base + ring[(k + 1) % 3]
-        c, d = tip + 0.5 * ring[k], tip + 0.5 * ring[(k + 1) % 3]
-        faces += [np.stack([a, b, c], 1), np.stack([c, b, d], 1)]
-    corners = np.concatenate(faces)
-    return Mesh(corners, corners[..., :2].copy())
 
 
 def shrub(rng: Generator) -> Parts:
