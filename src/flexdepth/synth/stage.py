@@ -61,7 +61,7 @@ class Stage:
         size: Metres after which its texture repeats.
         glow: Light it emits.
         gloss: Share of the light that it mirrors.
-        rough: How far mirrored rays stray.
+        rough: How uneven a glossy surface is.
         ripple: How steep its waves are.
         layer: Its texture in the library.
         library: The textures.

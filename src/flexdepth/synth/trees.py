@@ -12,6 +12,7 @@ from flexdepth.synth.shapes import (
     blob,
     joined,
     leaves,
+    leaves_at,
     revolved,
     rods,
     surface,
@@ -53,19 +54,18 @@ def conifer(rng: Generator) -> Parts:
     """A spruce or a pine: a cone of drooping whorls with ragged edges."""
     height = float(rng.uniform(4, 20))
     foot, wide = height * rng.uniform(0.03, 0.25), height * rng.uniform(0.13, 0.25)
-    whorls = int(rng.integers(7, 14))
-    meshes = []
-    for level in np.linspace(0, 1, whorls):
+    meshes, spots = [], []
+    for level in np.linspace(0, 1, int(rng.integers(12, 24))):
         y = foot + (height - foot) * level
-        radius = wide * (1.04 - level) * rng.uniform(0.85, 1.1)
-        drop = radius * rng.uniform(0.3, 0.7)
-        angle = np.linspace(0, 2 * np.pi, 19)
-        ragged = radius * rng.uniform(0.6, 1.15, 19)
+        radius = wide * (1.04 - level) * rng.uniform(0.8, 1.1)
+        angle = np.linspace(0, 2 * np.pi, 14)
+        ragged = radius * rng.uniform(0.5, 1.15, 14)
         ragged[-1] = ragged[0]
-        rim = np.stack([ragged * np.cos(angle), 0 * angle - drop, ragged * np.sin(angle)], 1)
-        inner = 0.12 * rim + np.array([0, 0.12 * radius, 0])
-        whorl = surface(np.stack([inner, 0.55 * rim + inner / 2, rim]))
-        meshes.append(whorl.placed((0, y, 0)))
+        rim = np.stack([ragged * np.cos(angle), -0.45 * ragged, ragged * np.sin(angle)], 1)
+        inner = 0.1 * rim + np.array([0, 0.25 * radius, 0])
+        meshes.append(surface(np.stack([inner, rim]) + np.array([0, y, 0])))
+        spots.append(rim[:-1] * rng.uniform(0.5, 1.05, (13, 1)) + np.array([0, y, 0]))
+    meshes.append(leaves_at(rng, np.concatenate(spots * 2), 0.05 * height))
     trunk = tube((0, -0.3, 0), (0, 0.97 * height, 0), (0.02 * height, 0.004 * height))
     dark = material(rng, "leaf")
     dark = Material(dark.pattern, dark.colours * rng.uniform(0.35, 0.9), dark.size)
@@ -138,8 +138,8 @@ def shrub(rng: Generator) -> Parts:
     """A bush that is leaves all through, some with flowers."""
     size = rng.uniform((0.5, 0.4, 0.5), (2.8, 2.2, 2.8))
     middle = (0, 0.45 * size[1], 0)
-    leaf = float(rng.uniform(0.05, 0.16))
-    green = leaves(rng, size, int(rng.integers(250, 800)), leaf)
+    leaf = float(rng.uniform(0.035, 0.12))
+    green = leaves(rng, size, int(rng.integers(300, 1100)), leaf)
     core = blob(rng, 0.72 * size, 0.2, 9)
     parts = [Part(joined([green, core]).placed(middle), foliage(rng))]
     if rng.random() < 0.3:
