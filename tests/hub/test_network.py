@@ -64,7 +64,7 @@ def test_metres_stay_metres_and_disparity_is_never_called_depth(saved, picture):
 def test_depth_pro_brings_its_field_of_view_and_yields_to_one_that_is_known(saved, picture):
     name = f"hub:{saved('depth_pro')}"
     alone = flexdepth.load(name).predict(picture)
-    assert alone.intrinsics.source is FocalSource.PREDICTED
+    assert (alone.space, alone.intrinsics.source) == (Space.METRIC, FocalSource.PREDICTED)
     seen = alone.intrinsics.focal_x
     known = flexdepth.load(name, flexdepth.FocalLength(2 * seen)).predict(picture)
     assert known.intrinsics.focal_x == pytest.approx(2 * seen)

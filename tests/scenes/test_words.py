@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from flexdepth.runtime.depthmap import FocalSource
+from flexdepth.scenes.picture import solution_picture
 from flexdepth.scenes.words import cautions, position, summary
 from flexdepth.solvers.criterion import MotionKind
 from flexdepth.solvers.pose import Pose
-from flexdepth.solvers.two_frame import Evidence
+from flexdepth.solvers.two_frame import Evidence, Unknown
 
 
 def moved(solution, **changes):
@@ -63,6 +64,18 @@ def test_a_scale_that_cannot_be_seen_is_said(solution):
 def test_a_frame_in_which_most_moves_by_itself_is_doubted(solution):
     (said,) = cautions(moved(solution, inliers=0.3))
     assert said.startswith("only 30% of what is matched moves as the static world would")
+
+
+def test_there_are_words_for_whatever_a_scale_hangs_on_and_a_pixel_lacks(solution, found):
+    for evidence in Evidence:
+        mover = replace(found.regions[1], evidence=evidence)
+        there = replace(solution, found=replace(found, regions=(found.regions[0], mover)))
+        assert "; scale " in summary(there)[-1]
+    for reason in Unknown:
+        nothing = np.full_like(found.unknown, reason)
+        there = replace(solution, found=replace(found, unknown=nothing))
+        assert reason is Unknown.KNOWN or "100.0%" in summary(there)[1]
+        assert solution_picture(there).size
 
 
 def test_many_movers_are_not_all_told(solution):

@@ -9,7 +9,7 @@ from flexdepth.runtime.cloud import Mesh
 
 Array = NDArray[np.float64]
 
-MOST = 800
+MOST = 400
 """Arrows of a picture: more hide what they stand for."""
 
 _SIDES = 5
@@ -18,20 +18,6 @@ _RADIUS, _HEAD_RADIUS, _HEAD_LENGTH = 0.0012, 0.0045, 0.015
 
 _SHORTEST = 0.002
 """Of its distance: a shorter arrow would be all head."""
-
-
-def own_motion(points: Array, motion: tuple[Array, Array], camera: tuple[Array, Array]) -> Array:
-    """Return by what points have moved beside the static world, along the key camera's axes.
-
-    Args:
-        points: Points by 3, in the key camera.
-        motion: Rotation matrices, points by 3 x 3, and translations, points by 3, of X' = R X + t.
-        camera: R0 (3 x 3) and t0 (3) of the static world, of the same.
-    """
-    rotation, translation = motion
-    still, way = camera
-    moved = np.einsum("nij,nj->ni", rotation, points) + translation
-    return np.asarray((moved - way) @ still - points)
 
 
 def spread_out(mask: NDArray[np.bool_], most: int = MOST) -> NDArray[np.bool_]:

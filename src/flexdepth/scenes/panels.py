@@ -52,7 +52,7 @@ class Panel:
 
     Attributes:
         title: Above it.
-        picture: RGB; None is "not computed".
+        picture: RGB; None where the solution has none.
         legend: Below it.
     """
 
@@ -143,7 +143,7 @@ def sheet(heading: Sequence[str], panels: Sequence[Panel], columns: int) -> Pixe
         if panel.picture is None:
             draw.rectangle((*box[:2], box[2] - 1, box[3] - 1), (240, 240, 240))
             middle = ((box[0] + box[2]) / 2, (box[1] + box[3]) / 2)
-            draw.text(middle, "not asked for", (130, 130, 130), font, anchor="mm")
+            draw.text(middle, "not part of this solution", (130, 130, 130), font, anchor="mm")
         else:
             whole.paste(_fitted(panel.picture, (WIDTH, tall)), box[:2])
         if panel.legend is not None:
@@ -198,10 +198,15 @@ def _marks(low: float, high: float, unit: str) -> tuple[str, str, str]:
     return word(low), word((low + high) / 2), word(high)
 
 
+def number(value: float) -> str:
+    """Return a number with three digits that tell, and no power of ten."""
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
+
+
 def _round(value: float, span: float) -> str:
     """Return a number with as many decimals as tell it from others in the span."""
     decimals = int(np.clip(np.ceil(2 - np.log10(max(span, 1e-9))), 0, 5))
-    return f"{value:.{decimals}f}"
+    return f"{round(value, decimals) + 0.0:.{decimals}f}"  # + 0.0: no minus before a zero
 
 
 def _percent(share: float) -> str:

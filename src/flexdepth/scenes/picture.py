@@ -6,8 +6,9 @@ from numpy.typing import NDArray
 
 from flexdepth.runtime.colour import SKY, UNKNOWN, Colour, coloured, limits, palette
 from flexdepth.runtime.depthmap import DepthMap, Space
+from flexdepth.scenes.own_motion import own_ways
 from flexdepth.scenes.pair import Solution
-from flexdepth.scenes.panels import Bar, Key, Panel, Pixels, kinds, magnitude, sheet, signed
+from flexdepth.scenes.panels import Bar, Key, Panel, Pixels, kinds, magnitude, number, sheet, signed
 from flexdepth.scenes.words import camera_translation, summary
 from flexdepth.solvers.two_frame import Kind, TwoFrame
 
@@ -84,11 +85,10 @@ def motion_panels(solution: Solution) -> list[Panel]:
     own = np.degrees(cv2.Rodrigues(still.rotation)[0]).ravel(), camera_translation(found)
     turns = _three("k", "rotation n", np.degrees(found.rotation), own[0])
     ways = _three("t", "translation t", found.translation, own[1])
-    unit = " m" if found.metric else ""
     least = _LEAST_WAY * (float(np.linalg.norm(own[1])) or 1.0)
     return [
         *(signed(*each, _LEAST_TURN, "°") for each in turns),
-        *(signed(*each, least, unit) for each in ways),
+        *(signed(*each, least, _unit(found)) for each in ways),
     ]
 
 
@@ -133,8 +133,25 @@ def _panels(solution: Solution) -> list[Panel]:
         magnitude("Parallax", np.abs(found.parallax), " px"),
         magnitude("Residual: flow that is not explained", found.residual, " px"),
         Panel(_ALONE, None) if solution.prior is None else _depth(_ALONE, solution.prior),
+        Panel("What moves by itself (white)", moving_picture(found)),
+        magnitude("By how much, beside what is static", _own_way(solution), _unit(found)),
+        magnitude("Noise of the flow, one standard deviation", solution.flow.noise, " px"),
         *motion_panels(solution),
     ]
+
+
+def _own_way(solution: Solution) -> NDArray[np.float64]:
+    """Return how far each pixel's point has moved by itself; 0 where it is static."""
+    found = solution.found
+    ways = np.where(np.isfinite(found.depth), 0.0, np.nan)
+    chosen = found.moving & np.isfinite(found.depth)
+    _, own = own_ways(solution, chosen)
+    ways[chosen] = np.linalg.norm(own, axis=1)
+    return ways
+
+
+def _unit(found: TwoFrame) -> str:
+    return " m" if found.metric else ""
 
 
 def _key(solution: Solution) -> Panel:
@@ -168,7 +185,7 @@ def _depth(title: str, depth: DepthMap) -> Panel:
     if ends.empty:
         return Panel(f"{title}: nowhere known", coloured(depth, ends), Key({"unknown": UNKNOWN}))
     middle = (ends.nearest * ends.farthest) ** 0.5
-    words = tuple(f"{value:.3g}{unit}" for value in (ends.nearest, middle, ends.farthest))
+    words = tuple(f"{number(value)}{unit}" for value in (ends.nearest, middle, ends.farthest))
     named = f"{title}, {'metres' if unit else 'camera steps' if title == 'Depth' else 'relative'}"
     bar = Bar(palette()[::-1], (f"near {words[0]}", words[1], f"far {words[2]}"))
     return Panel(f"{named} (gray unknown, blue sky)", coloured(depth, ends), bar)

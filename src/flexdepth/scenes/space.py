@@ -1,15 +1,14 @@
 """What two frames tell, in space: coloured points, and an arrow where things move by themselves."""
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdepth.runtime.cloud import Mesh, Shown, points
-from flexdepth.runtime.surface import rays
-from flexdepth.scenes.arrows import arrows, own_motion, spread_out
+from flexdepth.scenes.arrows import arrows, spread_out
+from flexdepth.scenes.own_motion import own_ways
 from flexdepth.scenes.pair import Solution
 from flexdepth.scenes.picture import region_colours
-from flexdepth.scenes.words import camera_translation, position
+from flexdepth.scenes.words import position
 
 _MOST_POINTS = 500_000
 """Enough to look at on any machine."""
@@ -33,16 +32,9 @@ def cloud(solution: Solution) -> Shown:
 
 def _movers(solution: Solution) -> Mesh:
     found = solution.found
-    depth = found.depth
-    chosen = spread_out(found.moving & np.isfinite(depth))
-    row, column = np.nonzero(chosen)
-    z = depth[chosen]
-    here = rays(row, column, solution.camera).astype(np.float64) * z[:, None]
-    pose = found.camera_motion.pose
-    motion = _matrices(found.rotation[chosen]), found.translation[chosen].astype(np.float64)
-    still = pose.rotation, camera_translation(found)
-    ways = own_motion(here, motion, still)
-    return arrows(here, ways, region_colours(found)[found.labels[chosen]], z)
+    chosen = spread_out(found.moving & np.isfinite(found.depth))
+    here, ways = own_ways(solution, chosen)
+    return arrows(here, ways, region_colours(found)[found.labels[chosen]], here[:, 2])
 
 
 def _way(solution: Solution, positions: NDArray[np.float32]) -> Mesh:
@@ -52,12 +44,6 @@ def _way(solution: Solution, positions: NDArray[np.float32]) -> Mesh:
         return arrows(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), np.uint8), np.zeros(0))
     near = np.percentile(positions[:, 2], 20, keepdims=True).astype(np.float64)
     return arrows(np.zeros((1, 3)), way, np.array([_CAMERA], np.uint8), near)
-
-
-def _matrices(twists: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the rotation matrix of each axis times angle."""
-    found = [np.asarray(cv2.Rodrigues(np.asarray(twist, np.float64))[0]) for twist in twists]
-    return np.array(found, np.float64).reshape(-1, 3, 3)
 
 
 def _joined(parts: list[Mesh]) -> Mesh:

@@ -20,6 +20,7 @@ _ASIDE = 0.17
 _HANGS_ON = {
     Evidence.CONTACT: "from where it touches what is still",
     Evidence.ORDERING: "from what it hides: it may be nearer still",
+    Evidence.MOTION: "from how it moves: level over the ground, or not at all",
     Evidence.STEREO: "from the stereo pair",
     Evidence.PRIOR: "from the single-image depth",
     Evidence.UNKNOWN: "not known",

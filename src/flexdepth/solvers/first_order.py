@@ -63,7 +63,7 @@ class FirstOrder:
 
     form: Form = Form.AS_WRITTEN
     weights: Weights = TABLE_5_1
-    iterations: int = 800
+    iterations: int = 400
     rate: float = 0.01
     quantile: float = 0.9
     depths: tuple[float, float] = (0.5, 80.0)

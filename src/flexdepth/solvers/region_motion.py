@@ -43,7 +43,7 @@ _RIGID = 1.6
 """What one rigid motion may leave across the lines, in what is left on what is still."""
 
 _LIKELY = 3.0
-"""Relief that is larger by this factor than a thing's width makes likely is none: it bends."""
+"""Relief that is larger by this factor than a thing's length makes likely is none: it bends."""
 
 _NEAREST = 0.3
 """The least inverse depth of a pixel, in that of its region."""
@@ -86,6 +86,10 @@ class Pixels:
         """Return the smaller extent as an angle."""
         return float(2 * np.sqrt(3) * self.key[:, :2].std(axis=0).min())
 
+    def length(self) -> float:
+        """Return the larger extent as an angle."""
+        return float(2 * np.sqrt(3) * self.key[:, :2].std(axis=0).max())
+
 
 @dataclass(frozen=True, eq=False)
 class _Left:
@@ -126,7 +130,7 @@ def region_motion(pixels: Pixels, camera: Pose, floor: float) -> RegionMotion:
     noise = float(np.sqrt(np.mean(some.noise**2)))
     if across < _RIGID * max(noise, floor * 2):
         rigid = _rigid(pixels, best, across)
-        if np.std(rigid.inverse_depth) < _LIKELY * _RELIEF * pixels.width():
+        if np.std(rigid.inverse_depth) < _LIKELY * _RELIEF * pixels.length():
             return rigid
     return flexible_motion(pixels, camera)
 

@@ -1,6 +1,6 @@
 """The world as regions with a motion each, and the answer that is made of it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -8,18 +8,23 @@ from numpy.typing import NDArray
 
 from flexdepth.solvers.answer import Evidence, Kind, Region, TwoFrame, Unknown
 from flexdepth.solvers.borders import border, surroundings
-from flexdepth.solvers.correspondences import from_flow, pixel_centres, rays
+from flexdepth.solvers.correspondences import Correspondences, from_flow, pixel_centres, rays
 from flexdepth.solvers.ego_motion import CameraMotion, camera_motion
+from flexdepth.solvers.epipolar import Epipolar
 from flexdepth.solvers.ground import ground
+from flexdepth.solvers.least_squares import refined
 from flexdepth.solvers.pieces import Labels, pieces
 from flexdepth.solvers.regions import filled, moving_regions
 from flexdepth.solvers.relative_scale import Clues, Scale, relative_scale
 from flexdepth.solvers.seen import Seen
-from flexdepth.solvers.things import Sight, Thing, middle_motion, scaled, things
+from flexdepth.solvers.things import Sight, Thing, middle_motion, scaled, things, wobble
 from flexdepth.solvers.two_view import Along, seen_along
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+_PULLS = 3.0
+"""Standard deviations at which a pixel stops pulling at the camera's motion."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +70,7 @@ def solved_regions(seen: Seen, clear: float) -> World:
     """Return the world as a few regions.
 
     Camera and moving regions are found in turn, twice: the first camera counts what moves as
-    outliers, the second leaves it out.
+    outliers, the second leaves it out, and the plane, if it was one, does no longer bind it.
 
     Args:
         seen: The two frames.
@@ -79,11 +84,19 @@ def solved_regions(seen: Seen, clear: float) -> World:
     moving = moving_regions(cut, sight.flow, along, sight.noise, trusted)
     still = trusted & (moving.labels == 0)
     if moving.labels.any() and still.sum() > 0.2 * trusted.sum():
-        camera = camera_motion(from_flow(seen.flow, still, seen.noise, seen.camera))
+        camera = _refined(camera, from_flow(seen.flow, still, seen.noise, seen.camera))
         along = _along(sight, camera)
         moving = moving_regions(cut, sight.flow, along, sight.noise, trusted)
     labels, found = things(filled(moving.labels, trusted), sight, camera.pose, moving.strays)
     return _scaled_world(sight, camera, along, (labels, found, clear))
+
+
+def _refined(camera: CameraMotion, still: Correspondences) -> CameraMotion:
+    """Return the camera's motion at what is still: nothing that moves pulls at it any more."""
+    if not camera.translates:
+        return camera
+    epipolar = Epipolar(*still.rays(), still.focal, still.noise * camera.noise_factor)
+    return replace(camera, pose=refined(epipolar, camera.pose, _PULLS))
 
 
 def _along(sight: Sight, camera: CameraMotion) -> Along:
@@ -121,7 +134,7 @@ def _scaled_world(
     told = [Region(0, Kind.STATIC, Evidence.CAMERA, 1.0, 0.0, int((labels == 0).sum()))] * count
     for thing in found:
         own = _own_inverse_depth(labels, thing, sight.trusted)
-        inside = np.isin(labels, thing.labels)
+        inside = np.isin(labels, thing.labels) & sight.trusted
         counts = np.array([(labels == each).sum() for each in thing.labels], np.float64)
         middles = np.array([sight.key[labels == each].mean(axis=0) for each in thing.labels])
         scale = relative_scale(
@@ -129,8 +142,9 @@ def _scaled_world(
                 thing.kind,
                 border(inside, own, around),
                 middle_motion(thing, counts, middles, camera.pose),
+                wobble(thing, sight, labels, camera.pose),
                 camera.pose.rotation.T @ camera.pose.translation,
-                None if floor is None else floor.normal,
+                floor,
                 typical,
             )
         )

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from flexdepth.solvers.answer import Kind
 from flexdepth.solvers.pieces import Labels
-from flexdepth.solvers.pose import Pose
+from flexdepth.solvers.pose import Pose, angle
 from flexdepth.solvers.region_motion import (
     Pixels,
     RegionMotion,
@@ -22,6 +22,10 @@ Mask = NDArray[np.bool_]
 
 _PART = 0.5
 """A rigid region smaller than this share of a bending one that it touches is a part of it."""
+
+
+_UNSEEN = 0.12
+"""How far the middle of a thing is from where it is taken to be, in widths."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,6 +178,14 @@ def middle_motion(thing: Thing, counts: Array, rays: Array, camera: Pose) -> Arr
         there = motion.pose.rotation @ place + motion.pose.translation
         moved.append(back @ there - place)
     return np.asarray(np.average(moved, axis=0, weights=counts))
+
+
+def wobble(thing: Thing, sight: Sight, labels: Labels, camera: Pose) -> float:
+    """Return how far `middle_motion` is uncertain: what turns does so about an unseen middle."""
+    if thing.kind is not Kind.RIGID:
+        return 0.0
+    turn = angle(thing.motions[0].pose.rotation @ camera.rotation.T)
+    return _UNSEEN * turn * sight.pixels(labels == thing.labels[0]).width()
 
 
 def scaled(motion: RegionMotion, scale: float) -> RegionMotion:

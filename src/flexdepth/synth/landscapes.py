@@ -209,7 +209,7 @@ def _surface(rng: Generator, land: Land, ground: Terrain) -> Parts:
             parts.append(Part(Mesh(mesh.corners[own], mesh.uv[own]), replace(look, size=size)))
     if ground.basin[3]:
         sea = quad((-_FAR, -0.45, -_FAR), (2 * _FAR, 0, 0), (0, 0, 2 * _FAR))
-        parts.append(Part(sea, material(rng, "water")))
+        parts.append(Part(sea, material(rng, "lake")))
     return parts
 
 

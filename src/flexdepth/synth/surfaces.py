@@ -209,7 +209,7 @@ NATURE: dict[str, Nature] = {
     "card": Nature(("plain", "mottled", "label"), (0.42, 0.28, 0.16), (0.3, 0.8)),
     "coffee": Nature(("plain",), (0.03, 0.012, 0.006), (0.1, 0.2), 0.04, 0.005),
     "food": Nature(("speckled", "mottled", "spots"), (0.4, 0.22, 0.1), (0.04, 0.2)),
-    "basin": Nature(("plain",), (0.03, 0.05, 0.05), (0.3, 0.6), 0.05, 0.02),
+    "water": Nature(("plain",), (0.03, 0.05, 0.05), (0.3, 0.6), 0.05, 0.02),
     "soil": Nature(("pebbles", "mottled", "speckled", "spots"), (0.16, 0.11, 0.075), (0.6, 4.0)),
     "sand": Nature(("mottled", "speckled", "plain"), (0.45, 0.36, 0.24), (0.6, 4.0)),
     "gravel": Nature(("pebbles", "pebbles", "speckled"), (0.3, 0.28, 0.25), (0.3, 1.5)),
@@ -219,7 +219,7 @@ NATURE: dict[str, Nature] = {
     "wood far": Nature(("foliage", "foliage", "speckled"), (0.05, 0.09, 0.035), (8.0, 40.0)),
     "autumn": Nature(("foliage", "foliage", "speckled"), (0.3, 0.14, 0.03), (0.3, 1.5)),
     "blossom": Nature(("foliage", "speckled"), (0.6, 0.4, 0.45), (0.3, 1.0)),
-    "water": Nature(("mottled", "plain"), (0.02, 0.045, 0.05), (3.0, 12.0), 0.03, 0.0, 0.03),
+    "lake": Nature(("mottled", "plain"), (0.02, 0.045, 0.05), (3.0, 12.0), 0.03, 0.0, 0.03),
     "wet road": Nature(("speckled", "mottled"), (0.07, 0.07, 0.075), (1.0, 4.0), 0.025, 0.03),
 }
 """What things of nature and of the street are made of."""
