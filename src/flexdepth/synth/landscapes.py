@@ -15,6 +15,7 @@ from flexdepth.synth.outdoor_things import fence, pole
 from flexdepth.synth.scene import Scene
 from flexdepth.synth.shapes import Array, Mesh, draped, quad
 from flexdepth.synth.skies import Weather, weather
+from flexdepth.synth.stock import stocked
 from flexdepth.synth.terrain import Terrain
 from flexdepth.synth.trees import far_tree, shrub, tree
 from flexdepth.synth.viewpoints import ON_FOOT
@@ -274,10 +275,12 @@ def _standing(rng: Generator, land: Land, ground: Terrain) -> Parts:
     """Return what stands within sixty metres, and farther off where it is large."""
     parts: Parts = []
     for often, make in land.near:
-        # Nobody stands inside a house.
-        reach = (30.0, 180.0) if make is barn else (2.5, 60.0)
+        # Nobody stands inside a house, or in a crown.
+        nearest = 30.0 if make is barn else 5.0 if make is tree else 2.5
+        reach = nearest, 180.0 if make is barn else 60.0
+        several = stocked(make, 6)
         for at in _dry(ground, ground.spots(rng, int(rng.poisson(often)), reach)):
-            parts += placed(make(rng), tuple(at), rng.uniform(0, 6.3))
+            parts += placed(several(rng), tuple(at), rng.uniform(0, 6.3))
     return parts
 
 

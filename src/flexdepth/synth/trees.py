@@ -36,7 +36,7 @@ def broadleaf(rng: Generator) -> Parts:
     top = np.array([lean[0], stem, lean[1]])
     wood = [tube((0, -0.3, 0), top, (0.028 * height, 0.02 * height))]
     green = []
-    leaf = float(rng.uniform(0.015, 0.04)) * height
+    leaf = float(min(rng.uniform(0.015, 0.04) * height, 0.25))
     for _ in range(int(rng.integers(7, 16))):
         way = rng.normal(size=3)
         way /= np.linalg.norm(way)
@@ -44,7 +44,7 @@ def broadleaf(rng: Generator) -> Parts:
         tip = middle + way * (wide, 0.5 * (height - stem), wide) * rng.uniform(0.45, 0.9)
         wood.append(tube(top, tip, (0.012 * height, 0.004 * height), 5))
         size = np.array([1, rng.uniform(0.55, 0.9), 1]) * height * rng.uniform(0.12, 0.28)
-        green.append(leaves(rng, size * 1.15, int(rng.integers(90, 200)), leaf).placed(tip))
+        green.append(leaves(rng, size * 1.15, int(rng.integers(120, 280)), leaf).placed(tip))
         green.append(blob(rng, 0.72 * size, 0.2, 7).placed(tip))
     bark = material(rng, "bark")
     return [Part(joined(wood), bark), Part(joined(green), foliage(rng))]
@@ -65,7 +65,7 @@ def conifer(rng: Generator) -> Parts:
         inner = 0.1 * rim + np.array([0, 0.25 * radius, 0])
         meshes.append(surface(np.stack([inner, rim]) + np.array([0, y, 0])))
         spots.append(rim[:-1] * rng.uniform(0.5, 1.05, (13, 1)) + np.array([0, y, 0]))
-    meshes.append(leaves_at(rng, np.concatenate(spots * 2), 0.05 * height))
+    meshes.append(leaves_at(rng, np.concatenate(spots * 3), min(0.05 * height, 0.4)))
     trunk = tube((0, -0.3, 0), (0, 0.97 * height, 0), (0.02 * height, 0.004 * height))
     dark = material(rng, "leaf")
     dark = Material(dark.pattern, dark.colours * rng.uniform(0.35, 0.9), dark.size)
@@ -139,8 +139,9 @@ def shrub(rng: Generator) -> Parts:
     size = rng.uniform((0.5, 0.4, 0.5), (2.8, 2.2, 2.8))
     middle = (0, 0.45 * size[1], 0)
     leaf = float(rng.uniform(0.035, 0.12))
-    green = leaves(rng, size, int(rng.integers(300, 1100)), leaf)
-    core = blob(rng, 0.72 * size, 0.2, 9)
+    count = int(rng.uniform(0.4, 1.2) * min(2200, 1.5 * size[0] * size[1] / leaf**2) + 150)
+    green = leaves(rng, size, count, leaf)
+    core = blob(rng, 0.62 * size, 0.35, 9)
     parts = [Part(joined([green, core]).placed(middle), foliage(rng))]
     if rng.random() < 0.3:
         blooms = leaves(rng, 1.05 * size, int(rng.integers(30, 150)), leaf)
