@@ -64,7 +64,7 @@ def test_metres_stay_metres_and_disparity_is_never_called_depth(saved, picture):
 def test_depth_pro_brings_its_field_of_view_and_yields_to_one_that_is_known(saved, picture):
     name = f"hub:{saved('depth_pro')}"
     alone = flexdepth.load(name).predict(picture)
-    assert alone.intrinsics.source is FocalSource.PREDICTED
+    assert (alone.space, alone.intrinsics.source) == (Space.METRIC, FocalSource.PREDICTED)
     seen = alone.intrinsics.focal_x
     known = flexdepth.load(name, flexdepth.FocalLength(2 * seen)).predict(picture)
     assert known.intrinsics.focal_x == pytest.approx(2 * seen)
@@ -131,6 +131,22 @@ def test_weights_that_are_not_all_there_are_refused(saved, tmp_path):
     assert "1 weights are missing or of another shape, such as head.head.0.weight" in refusal(
         str(folder)
     )
+
+
+def test_weights_that_no_output_depends_on_may_be_missing(saved, tmp_path, picture):
+    """As they are in Intel's published files of DPT, where transformers draws them at random."""
+    whole, folder = saved("dpt"), shutil.copytree(saved("dpt"), tmp_path / "published")
+    weights = load_file(folder / "model.safetensors")
+    unused = [name for name in weights if "fusion_stage.layers.0.residual_layer1." in name]
+    assert len(unused) == 4
+    for name in unused:
+        del weights[name]
+    save_file(weights, folder / "model.safetensors", {"format": "pt"})
+    found = network(str(folder))
+    np.testing.assert_array_equal(
+        found.look(picture).values, network(str(whole)).look(picture).values
+    )
+    assert found.about.digest == network(str(whole)).about.digest
 
 
 @pytest.mark.parametrize(

@@ -90,12 +90,18 @@ class PredictionFolder:
         else:
             raise InputError(
                 f"{self.folder}: there is no prediction for the image {pair.name}; looked for "
-                f"{pair.name}{'|'.join(SUFFIXES.values())} (--match order takes files by their "
-                f"order instead)"
+                f"{pair.name}{'|'.join(SUFFIXES.values())} {self._elsewhere(pair.name)}"
             )
         if self.stated is None:
             return read_depth(path)
         return read_stated(path, self.stated.space, self.stated.scale)
+
+    def _elsewhere(self, name: str) -> str:
+        """Return where else the prediction of an image might be."""
+        below = next((path for path in self.paths.values() if path.stem == name), None)
+        if below is not None:
+            return f"(there is {below}: name the folder {below.parent})"
+        return "(--match order takes files by their order instead)"
 
     @property
     def about(self) -> Mapping[str, object]:

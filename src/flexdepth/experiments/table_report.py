@@ -135,12 +135,15 @@ Cell = Callable[[str, str], str]
 def _marked(
     table: Table, values: Mapping[str, Mapping[str, float]], cell: Cell, bold: str, under: str
 ) -> dict[str, list[str]]:
-    """Return the cells of each row, the best of each column bold and the second underlined."""
+    """Return the cells of each row, the best of each column bold and the second underlined.
+
+    What is equal as it is shown is marked alike.
+    """
     rows: dict[str, list[str]] = {row.name: [] for row in table.rows}
     for metric in table.metrics:
         column = {name: cell(name, metric) for name in rows}
         sign = -1 if METRICS[metric].higher_is_better else 1
-        known = {name: sign * values[name][metric] for name in rows}
+        known = {name: sign * round(values[name][metric], 4) for name in rows}
         order = sorted({value for value in known.values() if not isnan(value)})
         marks = dict(zip(order[:2], (bold, under), strict=False)) if len(rows) > 1 else {}
         for name, text in column.items():

@@ -13,7 +13,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexdepth.runtime.depthmap import DepthMap, Space
+from flexdepth.runtime.depthmap import DepthMap, FocalSource, Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.estimator import About
 from flexdepth.runtime.images import Photo
@@ -71,7 +71,8 @@ class ForeignPredictor:
     """A network of other people, and the camera of the pictures it is shown.
 
     Depth that is not above zero and what is not a number are unknown (NaN); an infinite depth is
-    sky. Metres stay metres, also where nothing is known of the camera.
+    sky. Metres stay metres, also where nothing is known of the camera; those of a canonical camera
+    need a focal length, and the one that the network itself sees is part of what it predicts.
 
     Attributes:
         network: The network.
@@ -116,7 +117,7 @@ class ForeignPredictor:
         space, values = self.network.space, np.array(sight.values, np.float32)
         if sight.canonical_focal is not None:
             values *= np.float32(camera.focal_x / sight.canonical_focal)
-            if not camera.source.is_known:
+            if camera.source is FocalSource.ASSUMED:
                 space = Space.SCALE
         _forget_nonsense(values, space)
         if np.isnan(values).all():

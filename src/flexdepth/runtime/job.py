@@ -19,6 +19,8 @@ class Status(StrEnum):
     SKIPPED = "skipped"
     """All its outputs were there, made from the same input, model and settings."""
     FAILED = "failed"
+    IN_PART = "in part"
+    """A video that the user stopped; the frames so far have their files."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +62,7 @@ class Result:
 
     Attributes:
         path: The input.
-        status: Done, skipped or failed.
+        status: Done, skipped, failed or done in part.
         outputs: The files that are there for it now, made just now or before.
         meaning: What its depth file says of itself, the last one's of a video; empty where there
             is none.

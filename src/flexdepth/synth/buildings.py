@@ -62,8 +62,8 @@ def _house(rng: Generator, width: float, lit: float) -> Parts:
         roof = prism(gable, width + 2 * eave)
     parts.append(Part(roof, material(rng, "roof")))
     if rng.random() < 0.6:
-        stack = box((rng.uniform(-0.4, 0.4) * width, top + 0.8 * rise, depth * rng.uniform(0.3, 0.7)),
-                    (0.6, 1.8, 0.6))  # fmt: skip
+        x, z = rng.uniform((-0.4 * width, 0.3 * depth), (0.4 * width, 0.7 * depth))
+        stack = box((x, top + 0.8 * rise, z), (0.6, 1.8, 0.6))
         parts.append(Part(stack, material(rng, "brickwork")))
     gutter = tube((-width / 2, top - 0.05, -eave), (width / 2, top - 0.05, -eave), (0.06, 0.06), 6)
     pipe = tube((0.47 * width, 0, -0.08), (0.47 * width, top, -0.08), (0.045, 0.045), 6)
@@ -194,8 +194,10 @@ def _door(rng: Generator, front: Front) -> Parts:
     ]
     if rng.random() < 0.3:
         roof = box((x, tall + 0.6, -0.7), (wide + 1.2, 0.12, 1.5))
-        posts = [tube((x + s * (wide / 2 + 0.4), 0, -1.3), (x + s * (wide / 2 + 0.4), tall + 0.6, -1.3),
-                      (0.08, 0.08)) for s in (-1, 1)]  # fmt: skip
+        posts = [
+            tube((x + out, 0, -1.3), (x + out, tall + 0.6, -1.3), (0.08, 0.08))
+            for out in (-wide / 2 - 0.4, wide / 2 + 0.4)
+        ]
         parts.append(Part(joined([roof, *posts]), material(rng, "paint")))
     return parts
 

@@ -216,7 +216,7 @@ def coats(rng: Generator) -> Parts:
 
 def bag(rng: Generator) -> Parts:
     """A rucksack, a handbag or a bin bag, with handles."""
-    size = rng.uniform((0.22, 0.25, 0.12), (0.5, 0.6, 0.3))
+    size = rng.uniform((0.24, 0.22, 0.14), (0.5, 0.45, 0.32))
     body = blob(rng, size * (1, 1.05, 1), rng.uniform(0.03, 0.12), 18).placed(
         (0, 0.48 * size[1], 0)
     )

@@ -10,12 +10,25 @@ from flexdepth.synth.skylight import Dome
 from flexdepth.synth.stage import Array, Hits, Stage, dot, unit
 
 AMBIENT_RAYS = 2
-SHADOW_RAYS = 3
+SHADOW_RAYS = 2
 _SOFTNESS = 0.15
 """Square metres added to a lamp's square distance: no lamp is a point."""
 
+_DENTS = [
+    (np.array(number, np.float32), np.array(way, np.float32))
+    for number, way in (
+        ((130, 40, 90), (0.5, 0.2, 0.9)),
+        ((-210, 160, 50), (0.3, 0.9, -0.4)),
+        ((60, -330, 280), (-0.8, 0.5, 0.3)),
+        ((25, 31, -44), (0.7, -0.4, 0.6)),
+    )
+]
+"""Radians a metre along x, y and z, and the way in which normals are tipped."""
+
 _GLANCE = 400.0
 """Pixels of focal length that decide how fine a texture is when seen in a mirror."""
+_WAVES = np.array([(2.1, 9.0), (-5.3, 14.0), (13.0, 31.0), (0.7, 3.1), (-23.0, 47.0)])
+"""Waves of water, as radians a metre along x and z."""
 
 
 def surface_colours(stage: Stage, hits: Hits) -> tuple[Array, Array]:
@@ -41,7 +54,7 @@ def irradiance(rng: Generator, stage: Stage, hits: Hits) -> Array:
     return total
 
 
-def mirrored(rng: Generator, stage: Stage, dome: Dome, hits: Hits) -> tuple[Array, Array]:
+def mirrored(stage: Stage, dome: Dome, hits: Hits) -> tuple[Array, Array]:
     """Return the share of light that each hit mirrors, and that light.
 
     The share follows Schlick, An inexpensive BRDF model for physically-based rendering, 1994.
@@ -54,9 +67,9 @@ def mirrored(rng: Generator, stage: Stage, dome: Dome, hits: Hits) -> tuple[Arra
     if not shiny.size:
         return share, light
     gloss, rough = stage.gloss[material[shiny], None], stage.rough[material[shiny], None]
-    wild = rough * rng.standard_normal((len(shiny), 3), np.float32)
+    dents = 0.5 * rough * _dents(hits, shiny)
     waves = _waves(hits, shiny, stage.ripple[material[shiny]])
-    normal = unit(hits.shading[shiny] + wild + waves)
+    normal = unit(hits.shading[shiny] + dents + waves)
     towards = hits.towards[shiny]
     cosine = np.clip(dot(normal, towards), 0, 1)[:, None]
     share[shiny] = gloss + np.maximum(0, 1 - rough * 2) * (1 - gloss) * (1 - cosine) ** 5
@@ -72,18 +85,40 @@ def mirrored(rng: Generator, stage: Stage, dome: Dome, hits: Hits) -> tuple[Arra
     return share, light
 
 
+def _dents(hits: Hits, which: NDArray[np.intp]) -> Array:
+    """Return the uneven part of normals, of spread 1: a rough mirror without a grain of noise."""
+    place = hits.point[which]
+    tip = np.zeros((len(which), 3), np.float32)
+    for number, way in _DENTS:
+        seen = np.clip(np.pi / np.linalg.norm(number) / hits.footprint[which], 0, 1) ** 2
+        tip += (np.sin(place @ number) * seen)[:, None] * way
+    return tip
+
+
 def _waves(hits: Hits, which: NDArray[np.intp], ripple: Array) -> Array:
     """Return what waves add to the normals, where a surface has them."""
     tip = np.zeros((len(which), 3), np.float32)
     if not ripple.any():
         return tip
     place = hits.point[which][:, [0, 2]]
-    for number in np.array([(2.1, 9.0), (-5.3, 14.0), (13.0, 31.0), (0.7, 3.1), (-23.0, 47.0)]):
+    for number in _WAVES:
         # Waves shorter than two pixels are not seen as such.
         length = 2 * np.pi / np.hypot(*number)
         seen = np.clip(length / (2 * hits.footprint[which]), 0, 1) ** 2
         tip[:, [0, 2]] += (np.cos(place @ number) * seen)[:, None] * (0.3, 1.0)
     return np.asarray(ripple[:, None] * tip, np.float32)
+
+
+def hazy(dome: Dome, hits: Hits, eye: NDArray[np.float64], light: Array) -> Array:
+    """Return the light that is left after the air between, and what the air adds of its own."""
+    haze = dome.scene.haze
+    if haze == 0 or not hits.ray.size:
+        return light
+    path = hits.point - eye
+    distance = np.linalg.norm(path, axis=1, keepdims=True)
+    kept = np.exp(-haze * distance)
+    level = path / distance * (1, 0, 1) + (0, 0.03, 0)
+    return np.asarray(kept * light + (1 - kept) * dome.light(level.astype(np.float32)), np.float32)
 
 
 def _ambient(rng: Generator, stage: Stage, hits: Hits) -> Array:
@@ -121,11 +156,11 @@ def _falling(hits: Hits, path: Array) -> Array:
 def _from_sun(rng: Generator, stage: Stage, hits: Hits, sun: Sun) -> Array:
     """Return the irradiance from the sun, with shadows as soft as half a degree makes them."""
     total = np.zeros(len(hits.ray), np.float32)
-    for _ in range(SHADOW_RAYS - 1):
+    for _ in range(SHADOW_RAYS):
         path = (sun.towards + rng.normal(0, 0.01, hits.point.shape)).astype(np.float32)
         free = stage.tracer.run(hits.point, path, query="OCCLUDED") < 0
         total += np.where(free, np.maximum(dot(hits.shading, path), 0), 0)
-    return (total[:, None] / (SHADOW_RAYS - 1) * sun.power).astype(np.float32)
+    return (total[:, None] / SHADOW_RAYS * sun.power).astype(np.float32)
 
 
 def _from_beam(stage: Stage, hits: Hits, beam: Beam) -> Array:

@@ -23,7 +23,7 @@ class Material:
         glow: Light it emits in units of its colour: 0 for everything but lamps and windows.
         gloss: Share of the light from straight ahead that it mirrors: 0 for dull things, 0.04 for
             varnish and plastic, 0.9 for mirrors.
-        rough: How far mirrored rays stray, as a standard deviation of the unit normal.
+        rough: How uneven a glossy surface is: the spread of its unit normal.
         ripple: How steep the waves on it are: water.
     """
 
@@ -53,7 +53,17 @@ def colour(
     if rng.random() < 0.45:
         return np.asarray(np.clip(value + rng.normal(0, 0.03, 3), 0.01, 0.95))
     chroma = min(1.0, 1.2 * saturation) * rng.beta(1.6, 1.8)
-    return np.array(colorsys.hsv_to_rgb(rng.random(), chroma, value)) * 0.97 + 0.01
+    return np.array(colorsys.hsv_to_rgb(_hue(rng), chroma, value)) * 0.97 + 0.01
+
+
+def _hue(rng: Generator) -> float:
+    """Return a hue: mostly the warm ones of wood, stone and skin, then blue, then any."""
+    middle, spread = _HUES[int(rng.choice(len(_HUES), p=(0.5, 0.2, 0.1, 0.2)))]
+    return float(rng.normal(middle, spread) % 1)
+
+
+_HUES = ((0.08, 0.035), (0.6, 0.05), (0.3, 0.08), (0.5, 10.0))
+"""Middle and spread of hues; red is 0 and 1, green 1/3, blue 2/3."""
 
 
 def _around(rng: Generator, base: NDArray[np.float64], spread: float) -> NDArray[np.float64]:
@@ -79,7 +89,7 @@ def material(rng: Generator, kind: str) -> Material:
     pattern = str(rng.choice(sort.patterns))
     colours = _around(rng, colour(rng, sort.saturation, sort.bright), sort.spread)
     if rng.random() < sort.spread / 2:
-        colours = np.stack([colour(rng) for _ in range(3)])
+        colours = np.stack([colour(rng, sort.saturation) for _ in range(3)])
     size = rng.uniform(*sort.span)
     shiny = rng.random() < sort.shiny
     return Material(

@@ -5,10 +5,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
-from flexdepth.synth.lighting import irradiance, mirrored, surface_colours
-from flexdepth.synth.scene import Scene
+from flexdepth.synth.lighting import hazy, irradiance, mirrored, surface_colours
 from flexdepth.synth.skylight import Dome
 from flexdepth.synth.stage import Array, Hits, Stage
 from flexdepth.synth.viewpoints import Viewpoint
@@ -56,9 +54,9 @@ def render(
     guide[seen] = 0.5 * hits.shading + np.log(depth[seen, None])
     shape = height, width, 3
     smooth = _denoised(arriving.reshape(shape), guide.reshape(shape)).reshape(-1, 3)
-    share, other = mirrored(rng, stage, dome, hits)
+    share, other = mirrored(stage, dome, hits)
     own = emitted + (1 - share) * albedo * smooth[seen] + share * other
-    light[seen] = _hazy(stage.scene, dome, hits, view.eye, own)
+    light[seen] = hazy(dome, hits, view.eye, own)
     return Rendering(light.reshape(height, width, 3), depth.reshape(height, width), focal)
 
 
@@ -78,7 +76,7 @@ def worth_taking(stage: Stage, view: Viewpoint, aspect: float) -> bool:
     things = np.unique(stage.material[hits.triangle]).size
     nearest = stage.scene.nearest
     varied = far > 1.5 * near and things >= stage.scene.variety
-    return bool(near > nearest and middle > 2.3 * nearest and varied)
+    return bool(near > nearest and middle > 2.25 * nearest and varied)
 
 
 def _camera_rays(width: int, height: int, focal: float) -> Array:
@@ -103,14 +101,3 @@ def _denoised(irradiance: Array, guide: Array) -> Array:
     ceiling = float(np.percentile(irradiance, 99.5)) + 1e-6
     bounded = np.minimum(irradiance, ceiling).astype(np.float32)
     return np.asarray(cv2.ximgproc.jointBilateralFilter(guide, bounded, 9, 0.15, 2.5), np.float32)
-
-
-def _hazy(scene: Scene, dome: Dome, hits: Hits, eye: NDArray[np.float64], light: Array) -> Array:
-    """Return the light that is left after the air between, and what the air adds of its own."""
-    if scene.haze == 0 or not hits.ray.size:
-        return light
-    path = hits.point - eye
-    distance = np.linalg.norm(path, axis=1, keepdims=True)
-    kept = np.exp(-scene.haze * distance)
-    level = path / distance * (1, 0, 1) + (0, 0.03, 0)
-    return np.asarray(kept * light + (1 - kept) * dome.light(level.astype(np.float32)), np.float32)

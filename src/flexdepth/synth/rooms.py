@@ -133,7 +133,7 @@ def furnished(rng: Generator, kind: Kind) -> Scene:
         zenith=np.ones(3),
         clouds=0.0,
         eyes=(
-            -corner + np.array([0, rng.uniform(0.5, 1.2), 0]),
+            -corner + np.array([0, rng.uniform(0.2, 1.2), 0]),
             corner + np.array([0, rng.uniform(1.2, min(2.0, height - 0.2)), 0]),
         ),
         outdoors=False,

@@ -37,6 +37,27 @@ class Sun:
     power: NDArray[np.float64]
 
 
+@dataclass(frozen=True, eq=False)
+class Beam:
+    """Sunlight that comes into a room through a window in a wall that is otherwise closed.
+
+    Attributes:
+        corner: A corner of the opening, metres.
+        along: From there to the next corner.
+        up: And to the other neighbour.
+        panes: Panes in a row and in a column; the bars between them cast shadows.
+        towards: Unit vector to the sun.
+        power: Red, green, blue irradiance on a surface that faces the sun.
+    """
+
+    corner: NDArray[np.float64]
+    along: NDArray[np.float64]
+    up: NDArray[np.float64]
+    panes: int
+    towards: NDArray[np.float64]
+    power: NDArray[np.float64]
+
+
 class Aim(Enum):
     """What a camera is turned to."""
 
@@ -67,27 +88,6 @@ class Carrier:
     pitch: tuple[float, float]
     roll: float
     view: tuple[float, float] = (40.0, 88.0)
-
-
-@dataclass(frozen=True, eq=False)
-class Beam:
-    """Sunlight that comes into a room through a window in a wall that is otherwise closed.
-
-    Attributes:
-        corner: A corner of the opening, metres.
-        along: From there to the next corner.
-        up: And to the other neighbour.
-        panes: Panes in a row and in a column; the bars between them cast shadows.
-        towards: Unit vector to the sun.
-        power: Red, green, blue irradiance on a surface that faces the sun.
-    """
-
-    corner: NDArray[np.float64]
-    along: NDArray[np.float64]
-    up: NDArray[np.float64]
-    panes: int
-    towards: NDArray[np.float64]
-    power: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,5 +133,5 @@ class Scene:
     haze: float = 0.0
     carriers: tuple[tuple[float, Carrier], ...] = ()
     subject: NDArray[np.float64] | None = None
-    nearest: float = 0.35
+    nearest: float = 0.2
     variety: int = 7

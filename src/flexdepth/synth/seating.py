@@ -145,7 +145,7 @@ def sofa(rng: Generator) -> Parts:
         )
         parts.append(Part(pillow, material(rng, "fabric")))
     if rng.random() < 0.4:
-        throw = draped(rng, (rng.uniform(0.5, 0.9), depth * 0.9), seat + 0.11, 0.25)
+        throw = draped(rng, (rng.uniform(0.5, 0.9), depth * 0.9), seat + 0.14, 0.25)
         at = (rng.uniform(-0.3, 0.3) * width, 0.0, -0.12)
         parts.append(Part(throw.placed(at), material(rng, "fabric")))
     return parts

@@ -131,7 +131,7 @@ def kitchen(rng: Generator) -> Parts:
     if rng.random() < 0.6:
         bowl = box((sink, level - 0.002, -0.03), (0.5, 0.012, 0.38))
         inside = box((sink, level + 0.0045, -0.03), (0.44, 0.002, 0.32))
-        parts += [Part(bowl, material(rng, "metal")), Part(inside, material(rng, "basin"))]
+        parts += [Part(bowl, material(rng, "metal")), Part(inside, material(rng, "water"))]
         parts += placed(_tap(rng, level), (sink, 0, 0.2))
     for _ in range(int(rng.integers(0, 4))):
         at = (rng.uniform(-0.42, 0.42) * width, level, rng.uniform(0, 0.2) * depth)

@@ -35,7 +35,7 @@ class Tone:
         span = (0.04, 0.1) if kind < 0.12 else (0.32, 0.55) if kind < 0.24 else (0.1, 0.32)
         return cls(
             brightness=float(np.exp(rng.uniform(*np.log(span)))),
-            balance=np.exp(rng.normal(0, 0.07, 3) + rng.normal(0, 0.09) * np.array([1, 0, -1])),
+            balance=np.exp(rng.normal(0, 0.03, 3) + rng.normal(0, 0.13) * np.array([1, 0, -1])),
             shoulder=float(rng.uniform(0, 0.8) if rng.random() < 0.8 else 0),
             contrast=float(rng.uniform(0.9, 1.5)),
             saturation=float(np.exp(rng.normal(0, 0.25)) if rng.random() < 0.98 else 0),

@@ -70,7 +70,7 @@ def viewpoint(rng: Generator, scene: Scene, aspect: float) -> Viewpoint:
         degrees = rng.uniform(*carrier.view)
         yaw, pitch, roll = _aimed(rng, scene, carrier, eye)
     else:
-        degrees = rng.uniform(42, 82)
+        degrees = rng.uniform(35, 90)
         yaw, pitch, roll = _around_room(rng, scene, eye)
     across = 0.5 / np.tan(np.radians(degrees) / 2)
     focal = float(across * aspect / np.hypot(aspect, 1))

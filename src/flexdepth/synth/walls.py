@@ -21,9 +21,9 @@ def shell(
     floor = quad(corner, (width, 0, 0), (0, 0, length))
     ceiling = quad((-width / 2, height, -length / 2), (width, 0, 0), (0, 0, length))
     parts = [Part(floor, material(rng, surfaces[2])), Part(ceiling, material(rng, surfaces[1]))]
-    for _ in range(int(rng.poisson(0.6))):
+    for k in range(int(rng.poisson(0.6))):
         wide, long = rng.uniform(0.25, 0.7, 2) * (width, length)
-        rug = box((0, 0.005, 0), (wide, 0.01, long))
+        rug = box((0, 0.005 + 0.004 * k, 0), (wide, 0.01, long))
         at = (*(rng.uniform(-0.2, 0.2, 1) * width), 0.0, rng.uniform(-0.2, 0.2) * length)
         look = fitted(rng, "rug", wide, long) if rng.random() < 0.5 else material(rng, "rug")
         parts += placed([Part(rug, look)], at, float(rng.normal(0, 0.15)))

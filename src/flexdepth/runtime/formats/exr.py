@@ -6,8 +6,11 @@ no tool mistakes it for a distance. The channel `spread` is there where it is kn
 ZIP, which is lossless.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, redirect_stdout
+from io import StringIO
 from pathlib import Path
+from threading import Lock
 
 import numpy as np
 import OpenEXR
@@ -22,6 +25,8 @@ _KEY = "flexdepth"
 _SPREAD = "spread"
 _CHANNELS = ("Z", "disparity", "depth.Z", "depth")
 _ERRORS = (RuntimeError, ValueError, TypeError, KeyError, IndexError, OverflowError)
+
+_printing = Lock()
 
 
 def write(path: Path, depth_map: DepthMap, origin: Mapping[str, str] | None) -> None:
@@ -45,10 +50,9 @@ def write(path: Path, depth_map: DepthMap, origin: Mapping[str, str] | None) -> 
 def numbers(path: Path) -> NDArray[np.float32]:
     """Return the depth or disparity channel of `path`, or its only channel, as float32.
 
-    Of a broken file OpenEXR says a line of its own on the standard output; its older interface
-    does not, but can be brought down by one wrong byte.
+    OpenEXR's older interface can be brought down by one wrong byte; this one cannot.
     """
-    with reading(path, "an OpenEXR file", _ERRORS):
+    with reading(path, "an OpenEXR file", _ERRORS), _unsaid():
         channels = _channels(path)
         named = [name for name in _CHANNELS if name in channels][:1] or list(channels)
         if len(named) != 1:
@@ -58,8 +62,18 @@ def numbers(path: Path) -> NDArray[np.float32]:
 
 def spread(path: Path) -> NDArray[np.float32] | None:
     """Return the channel `spread` of `path`, None where there is none."""
-    with reading(path, "an OpenEXR file", _ERRORS):
+    with reading(path, "an OpenEXR file", _ERRORS), _unsaid():
         return _channels(path).get(_SPREAD)
+
+
+@contextmanager
+def _unsaid() -> Iterator[None]:
+    """Keep the line that OpenEXR prints of a broken file out of what a command prints.
+
+    Threads take turns, for all of them have one standard output.
+    """
+    with _printing, redirect_stdout(StringIO()):
+        yield
 
 
 def meaning(path: Path) -> Meaning | None:
