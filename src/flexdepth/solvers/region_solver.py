@@ -1,14 +1,13 @@
-"""The world as regions with a motion each, and the answer that is made of it."""
+"""The world as a few regions with a motion each."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdepth.solvers.answer import Evidence, Kind, Region, TwoFrame, Unknown
+from flexdepth.solvers.answer import Evidence, Kind, Region
 from flexdepth.solvers.borders import border, surroundings
-from flexdepth.solvers.correspondences import Correspondences, from_flow, pixel_centres, rays
+from flexdepth.solvers.correspondences import Correspondences, from_flow
 from flexdepth.solvers.ego_motion import CameraMotion, camera_motion
 from flexdepth.solvers.epipolar import Epipolar
 from flexdepth.solvers.ground import ground
@@ -18,52 +17,14 @@ from flexdepth.solvers.regions import filled, moving_regions
 from flexdepth.solvers.relative_scale import Clues, Scale, relative_scale
 from flexdepth.solvers.seen import Seen
 from flexdepth.solvers.things import Sight, Thing, middle_motion, scaled, things, wobble
-from flexdepth.solvers.two_view import Along, seen_along
+from flexdepth.solvers.two_view import Along
+from flexdepth.solvers.world import World, along_of, sight_of
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _PULLS = 3.0
 """Standard deviations at which a pixel stops pulling at the camera's motion."""
-
-
-@dataclass(frozen=True, eq=False)
-class World:
-    """Depth and motion of every pixel, before it is said which of them are known.
-
-    Attributes:
-        sight: What is seen.
-        camera: The camera's motion.
-        labels: Number of each pixel's region; 0 is the static world.
-        regions: What is known of each.
-        inverse_depth: Of each pixel; NaN where there is none.
-        spread: Its relative standard deviation, that of its region's scale included.
-        rotation: Of each region, regions x 3 x 3.
-        translation: Of each, regions x 3.
-    """
-
-    sight: Sight
-    camera: CameraMotion
-    labels: Labels
-    regions: tuple[Region, ...]
-    inverse_depth: Array
-    spread: Array
-    rotation: Array
-    translation: Array
-
-
-def sight_of(seen: Seen) -> Sight:
-    """Return the maps that the parts of the solver look at."""
-    centres = pixel_centres(*seen.noise.shape)
-    flow = np.where(seen.known[..., None], seen.flow, 0.0).astype(np.float64)
-    return Sight(
-        rays(centres, seen.camera),
-        rays(centres + flow, seen.camera),
-        flow,
-        np.where(seen.trusted, seen.noise, 1.0).astype(np.float64),
-        seen.trusted,
-        np.array([seen.camera.focal_x, seen.camera.focal_y]),
-    )
 
 
 def solved_regions(seen: Seen, clear: float) -> World:
@@ -79,13 +40,13 @@ def solved_regions(seen: Seen, clear: float) -> World:
     sight = sight_of(seen)
     trusted = seen.trusted
     camera = camera_motion(from_flow(seen.flow, trusted, seen.noise, seen.camera))
-    along = _along(sight, camera)
+    along = along_of(sight, camera)
     cut = pieces(sight.flow, along.across, float(np.median(sight.noise[trusted])), seen.image)
     moving = moving_regions(cut, sight.flow, along, sight.noise, trusted)
     still = trusted & (moving.labels == 0)
     if moving.labels.any() and still.sum() > 0.2 * trusted.sum():
         camera = _refined(camera, from_flow(seen.flow, still, seen.noise, seen.camera))
-        along = _along(sight, camera)
+        along = along_of(sight, camera)
         moving = moving_regions(cut, sight.flow, along, sight.noise, trusted)
     labels, found = things(filled(moving.labels, trusted), sight, camera.pose, moving.strays)
     return _scaled_world(sight, camera, along, (labels, found, clear))
@@ -97,20 +58,6 @@ def _refined(camera: CameraMotion, still: Correspondences) -> CameraMotion:
         return camera
     epipolar = Epipolar(*still.rays(), still.focal, still.noise * camera.noise_factor)
     return replace(camera, pose=refined(epipolar, camera.pose, _PULLS))
-
-
-def _along(sight: Sight, camera: CameraMotion) -> Along:
-    """Return what the flow says of depth, were all still.
-
-    A camera that has stayed shows no parallax: all that its turning leaves is off.
-    """
-    if camera.translates:
-        return seen_along(sight.key, sight.target, camera.pose, sight.focal)
-    place = sight.key @ camera.pose.rotation.T
-    left = (sight.target[..., :2] - place[..., :2] / place[..., 2:]) * sight.focal
-    nothing = np.zeros(left.shape[:2])
-    off = np.linalg.norm(left, axis=-1)
-    return Along(nothing, off, np.full_like(nothing, np.nan), np.full_like(nothing, np.inf))
 
 
 def _scaled_world(
@@ -152,11 +99,13 @@ def _scaled_world(
             at = (labels == label) & sight.trusted
             nearer = scaled(motion, scale.value)
             inverse[at] = nearer.inverse_depth
-            spread[at] = np.hypot(motion.spread, scale.spread)
+            spread[at] = motion.spread
             rotation[label] = nearer.pose.rotation
             translation[label] = nearer.pose.translation
             told[label] = _region(label, motion.kind, scale, int((labels == label).sum()))
-    return World(sight, camera, labels, tuple(told), inverse, spread, rotation, translation)
+    return World(
+        sight, camera, labels, tuple(told), inverse, spread, rotation[labels], translation[labels]
+    )
 
 
 def _region(label: int, kind: Kind, scale: Scale, pixels: int) -> Region:
@@ -169,60 +118,3 @@ def _own_inverse_depth(labels: Labels, thing: Thing, trusted: Mask) -> Array:
         own[labels == label] = 1.0
         own[(labels == label) & trusted] = motion.inverse_depth
     return own
-
-
-def answer(world: World, seen: Seen, clear: float) -> TwoFrame:
-    """Return what is known of the world, and why the rest is not."""
-    sight, labels, camera = world.sight, world.labels, world.camera
-    rotation, translation = world.rotation[labels], world.translation[labels]
-    noise = sight.noise * camera.noise_factor
-    place = np.einsum("hwab,hwb->hwa", rotation, sight.key)
-    inverse = np.where(np.isfinite(world.inverse_depth), world.inverse_depth, 0.0)
-    there = place + np.maximum(inverse, 0.0)[..., None] * translation
-    ahead = there[..., 2] > 1e-6
-    z = np.where(ahead, there[..., 2], 1.0)[..., None]
-    infinity = place[..., :2] / np.maximum(place[..., 2:], 1e-6)
-    residual = np.linalg.norm((sight.target[..., :2] - there[..., :2] / z) * sight.focal, axis=-1)
-    way = (there[..., :2] / z - infinity) * sight.focal
-    parallax = np.linalg.norm(way, axis=-1)
-    lost = np.array([region.evidence is Evidence.UNKNOWN for region in world.regions])[labels]
-    static = labels == 0
-    along = _along(sight, camera)
-    parallax = np.where(static, along.parallax, parallax)
-    unknown = np.select(
-        [
-            ~seen.known,
-            ~seen.trusted,
-            lost,
-            static & (parallax < -clear * noise),
-            static & ~((parallax > clear * noise) & (inverse > 0)),
-            ~(inverse > 0),
-        ],
-        [
-            Unknown.NO_FLOW,
-            Unknown.OCCLUDED,
-            Unknown.SCALE,
-            Unknown.BEHIND,
-            Unknown.LOW_PARALLAX,
-            Unknown.BEHIND,
-        ],
-        Unknown.KNOWN,
-    )
-    known = unknown == Unknown.KNOWN
-    axes = np.array([np.asarray(cv2.Rodrigues(each)[0]).ravel() for each in world.rotation])
-    nothing = np.where(seen.known, 0.0, np.nan)
-    return TwoFrame(
-        depth=np.where(known, 1 / np.where(known, inverse, 1.0), np.nan),
-        rotation=axes[labels],
-        translation=translation,
-        labels=labels,
-        regions=world.regions,
-        moving=labels > 0,
-        parallax=parallax + nothing,
-        residual=residual + nothing,
-        spread=np.where(known, world.spread, np.inf),
-        unknown=unknown.astype(np.uint8),
-        camera_motion=camera,
-        prior_share=None,
-        metric=False,
-    )
