@@ -12,8 +12,9 @@ from flexdepth.solvers.ego_motion import CameraMotion, camera_motion
 from flexdepth.solvers.epipolar import Epipolar
 from flexdepth.solvers.ground import ground
 from flexdepth.solvers.least_squares import refined
+from flexdepth.solvers.ordering import Still, with_sunk
 from flexdepth.solvers.pieces import Labels, pieces
-from flexdepth.solvers.regions import filled, moving_regions
+from flexdepth.solvers.regions import filled, moving_regions, smoothness
 from flexdepth.solvers.relative_scale import Clues, Scale, relative_scale
 from flexdepth.solvers.seen import Seen
 from flexdepth.solvers.things import Sight, Thing, middle_motion, scaled, things, wobble
@@ -48,7 +49,9 @@ def solved_regions(seen: Seen, clear: float) -> World:
         camera = _refined(camera, from_flow(seen.flow, still, seen.noise, seen.camera))
         along = along_of(sight, camera)
         moving = moving_regions(cut, sight.flow, along, sight.noise, trusted)
-    labels, found = things(filled(moving.labels, trusted), sight, camera.pose, moving.strays)
+    smooth = smoothness(sight.noise[trusted])
+    all_moving = with_sunk(Still(cut, moving.labels, along, smooth), sight)
+    labels, found = things(filled(all_moving, trusted), sight, camera.pose, moving.strays)
     return _scaled_world(sight, camera, along, (labels, found, clear))
 
 
@@ -71,7 +74,7 @@ def _scaled_world(
     static = sight.trusted & (labels == 0)
     static &= (along.parallax > clear * noise) & (along.inverse_depth > 0)
     inverse = np.where(labels == 0, along.inverse_depth, np.nan)
-    spread = np.where(labels == 0, along.spread * noise, np.inf)
+    spread = np.where(static, along.spread * noise, np.inf)
     around = surroundings(np.where(static, inverse, 0.0), static, sight.flow, sight.trusted)
     floor = ground(sight.key, along.inverse_depth, static)
     typical = float(np.log(np.median(inverse[static]))) if static.any() else 0.0

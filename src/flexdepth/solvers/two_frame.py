@@ -7,8 +7,11 @@ from dataclasses import dataclass
 
 from flexdepth.solvers.answer import Evidence, Kind, Region, TwoFrame, Unknown
 from flexdepth.solvers.dense import Dense, refined_world
+from flexdepth.solvers.prior import with_prior
 from flexdepth.solvers.region_solver import solved_regions
 from flexdepth.solvers.seen import Prior, Seen, Stereo, ThirdFrame
+from flexdepth.solvers.stereo import with_stereo
+from flexdepth.solvers.third import with_third
 from flexdepth.solvers.verdict import answer
 
 __all__ = [
@@ -52,4 +55,10 @@ def two_frame(seen: Seen, settings: TwoFrameSettings = TwoFrameSettings()) -> Tw
     world = solved_regions(seen, settings.clear)
     if settings.dense is not None:
         world = refined_world(world, settings.dense)
+    if seen.third is not None:
+        world = with_third(world, seen, seen.third)
+    if seen.stereo is not None:
+        world = with_stereo(world, seen, seen.stereo)
+    if seen.prior is not None:
+        world = with_prior(world, seen, seen.prior)
     return answer(world, seen, settings.clear)

@@ -13,9 +13,7 @@ Array = NDArray[np.float64]
 
 def answer(world: World, seen: Seen, clear: float) -> TwoFrame:
     """Return what is known of the world, and why the rest is not."""
-    sight, labels, camera = world.sight, world.labels, world.camera
-    rotation, translation = world.rotation, world.translation
-    noise = sight.noise * camera.noise_factor
+    sight, rotation, translation = world.sight, world.rotation, world.translation
     place = np.einsum("hwab,hwb->hwa", rotation, sight.key)
     inverse = np.where(np.isfinite(world.inverse_depth), world.inverse_depth, 0.0)
     there = place + np.maximum(inverse, 0.0)[..., None] * translation
@@ -25,44 +23,43 @@ def answer(world: World, seen: Seen, clear: float) -> TwoFrame:
     residual = np.linalg.norm((sight.target[..., :2] - there[..., :2] / z) * sight.focal, axis=-1)
     way = (there[..., :2] / z - infinity) * sight.focal
     parallax = np.linalg.norm(way, axis=-1)
-    lost = np.array([region.evidence is Evidence.UNKNOWN for region in world.regions])[labels]
-    static = labels == 0
-    along = along_of(sight, camera)
-    parallax = np.where(static, along.parallax, parallax)
-    unknown = np.select(
-        [
-            ~seen.known,
-            ~seen.trusted,
-            lost,
-            static & (parallax < -clear * noise),
-            static & ~((parallax > clear * noise) & (inverse > 0)),
-            ~(inverse > 0),
-        ],
-        [
-            Unknown.NO_FLOW,
-            Unknown.OCCLUDED,
-            Unknown.SCALE,
-            Unknown.BEHIND,
-            Unknown.LOW_PARALLAX,
-            Unknown.BEHIND,
-        ],
-        Unknown.KNOWN,
-    )
+    static = world.labels == 0
+    parallax = np.where(static, along_of(sight, world.camera).parallax, parallax)
+    unknown = _reasons(world, seen, parallax < -clear * sight.noise * world.camera.noise_factor)
     known = unknown == Unknown.KNOWN
-    scales = np.array([region.scale_spread for region in world.regions])[labels]
+    scales = np.array([region.scale_spread for region in world.regions])[world.labels]
     nothing = np.where(seen.known, 0.0, np.nan)
+    depth = np.where(known, 1 / np.where(known, inverse, 1.0), np.nan)
     return TwoFrame(
-        depth=np.where(known, 1 / np.where(known, inverse, 1.0), np.nan),
+        depth=np.where(unknown == Unknown.SKY, np.inf, depth),
         rotation=axis_angles(rotation),
         translation=translation,
-        labels=labels,
+        labels=world.labels,
         regions=world.regions,
-        moving=labels > 0,
+        moving=~static,
         parallax=parallax + nothing,
         residual=residual + nothing,
         spread=np.where(known, np.hypot(world.shape_spread, scales), np.inf),
         unknown=unknown.astype(np.uint8),
-        camera_motion=camera,
-        prior_share=None,
-        metric=False,
+        camera_motion=world.camera,
+        prior_share=world.prior_share,
+        metric=world.metric,
     )
+
+
+def _reasons(world: World, seen: Seen, behind: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Return why each pixel has no depth."""
+    lost = np.array([region.evidence is Evidence.UNKNOWN for region in world.regions])
+    lost = lost[world.labels]
+    known = np.isfinite(world.shape_spread) & (world.inverse_depth > 0) & ~lost
+    sky = np.zeros_like(known) if world.sky is None else world.sky
+    tests = [sky, known, ~seen.known, ~seen.trusted, lost, behind & (world.labels == 0)]
+    reasons = [
+        Unknown.SKY,
+        Unknown.KNOWN,
+        Unknown.NO_FLOW,
+        Unknown.OCCLUDED,
+        Unknown.SCALE,
+        Unknown.BEHIND,
+    ]
+    return np.asarray(np.select(tests, reasons, Unknown.LOW_PARALLAX))

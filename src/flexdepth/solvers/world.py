@@ -29,6 +29,9 @@ class World:
         shape_spread: Its relative standard deviation, without that of its region's scale.
         rotation: Of each pixel, x 3 x 3.
         translation: Of each, x 3.
+        metric: Whether the unit is the metre.
+        prior_share: How much of the depth is the prior's; None without one.
+        sky: Where the prior says so; None without one.
     """
 
     sight: Sight
@@ -39,6 +42,9 @@ class World:
     shape_spread: Array
     rotation: Array
     translation: Array
+    metric: bool = False
+    prior_share: Array | None = None
+    sky: NDArray[np.bool_] | None = None
 
 
 def sight_of(seen: Seen) -> Sight:
