@@ -27,8 +27,8 @@ LONG_SIDE = 1280
 """Pixels: larger frames are made so small, for time and memory grow with their area."""
 
 _PRIOR_SPREAD = 0.15
-"""Relative standard deviation of single-image depth beyond one common factor: between what the
-bundled model is off by on KITTI (.096) and on NYU (.185)."""
+"""Relative standard deviation of single-image depth, beyond one common factor, where the model does
+not say it: between what the bundled one was off by on KITTI (.096) and on NYU (.185)."""
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,8 @@ def single_image_depth(model: str | Path, picture: Picture, camera: Intrinsics) 
 def _prior(depth: DepthMap | None) -> Prior | None:
     if depth is None:
         return None
-    spread = np.full(depth.values.shape, _PRIOR_SPREAD, np.float32)
+    said = np.full(depth.values.shape, np.nan) if depth.spread is None else depth.spread
+    spread = np.where(np.isfinite(said), said, _PRIOR_SPREAD).astype(np.float32)
     return Prior(depth.depth, spread, depth.space is Space.METRIC)
 
 
