@@ -89,8 +89,8 @@ def pair(said: dict[str, Any], name: str, seed: int, kept: Path = KEPT) -> Pair:
         unfinished = path.with_suffix(".part.npz")
         np.savez_compressed(unfinished, **{f.name: getattr(found, f.name) for f in fields(Pair)})
         unfinished.replace(path)
-    with np.load(path) as kept:
-        return Pair(**{field.name: kept[field.name] for field in fields(Pair)})
+    with np.load(path) as read:
+        return Pair(**{field.name: read[field.name] for field in fields(Pair)})
 
 
 def rendered(wanted: SequenceSettings) -> Pair:
