@@ -114,7 +114,7 @@ def network(name: str, provider: Provider = Provider.CPU) -> HubNetwork:
     """
     device = _device(provider)
     place = _place(name)
-    with _bars(shown=not place.get("local_files_only", False)):
+    with _terse(bars=not place.get("local_files_only", False)):
         return _opened(name, place, device)
 
 
@@ -145,16 +145,22 @@ def _opened(name: str, place: dict[str, Any], device: str) -> HubNetwork:
 
 
 @contextmanager
-def _bars(shown: bool) -> Iterator[None]:
-    """Let transformers show how far it is, or not: a download takes minutes, a file none."""
-    if shown or not logging.is_progress_bar_enabled():
-        yield
-        return
-    logging.disable_progress_bar()  # type: ignore[no-untyped-call]
+def _terse(bars: bool) -> Iterator[None]:
+    """Let transformers say nothing of what it loads, which is checked here.
+
+    Args:
+        bars: Whether it may show how far it is: a download takes minutes, a file none.
+    """
+    verbosity, shown = logging.get_verbosity(), logging.is_progress_bar_enabled()
+    logging.set_verbosity_error()  # type: ignore[no-untyped-call]
+    if not bars:
+        logging.disable_progress_bar()  # type: ignore[no-untyped-call]
     try:
         yield
     finally:
-        logging.enable_progress_bar()  # type: ignore[no-untyped-call]
+        logging.set_verbosity(verbosity)
+        if shown:
+            logging.enable_progress_bar()  # type: ignore[no-untyped-call]
 
 
 def _device(provider: Provider) -> str:
