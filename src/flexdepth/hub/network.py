@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from safetensors import SafetensorError
 from transformers import AutoConfig, AutoImageProcessor, AutoModelForDepthEstimation
 from transformers.utils import logging
 from transformers.utils.hub import cached_file
@@ -30,6 +31,9 @@ from flexdepth.runtime.foreign import Sight
 from flexdepth.runtime.session import Provider
 
 _DEVICES = {Provider.CPU: "cpu", Provider.CUDA: "cuda"}
+
+_FAILURES = (OSError, ValueError, KeyError, RuntimeError, ImportError, SafetensorError)
+"""What transformers raises where a model is not there, is broken, or needs more packages."""
 
 _NEVER_USED = "fusion_stage.layers.0.residual_layer1."
 """Weights of DPT's first fusion, which has nothing to add to what comes up: no output depends on
@@ -193,7 +197,7 @@ def _loaded(kind: Any, name: str, place: Mapping[str, Any]) -> Any:  # noqa: ANN
     """Return what transformers loads, never by running code of the model's."""
     try:
         return kind.from_pretrained(**place, trust_remote_code=False)
-    except (OSError, ValueError, KeyError, RuntimeError) as error:
+    except _FAILURES as error:
         advice = (
             ""
             if place.get("local_files_only")
