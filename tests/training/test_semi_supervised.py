@@ -108,7 +108,10 @@ class UnsureOnTheRight(nn.Module):
 
 @pytest.fixture
 def labelled(tmp_path):
-    """One photo, labelled by a teacher that is sure of 2 m on the left and of nothing right."""
+    """One photo, labelled by a teacher that is sure of 2 m on the left and of nothing right.
+
+    In 31 of 64 columns: the smaller look blurs the one beside the edge.
+    """
     photos = tmp_path / "photos"
     photos.mkdir()
     half_and_half(photos / "a.png")
@@ -124,7 +127,7 @@ def test_what_the_teacher_is_not_sure_of_has_no_label(labelled):
     values = pairs[0].truth.values
     assert np.allclose(values[:, :28], 2.0)
     assert np.isnan(values[:, 36:]).all()
-    assert said == ["1 of 1 photos labelled, at 50% of their pixels"]
+    assert said == ["1 of 1 photos labelled, at 48% of their pixels"]
 
 
 def test_what_has_no_label_touches_no_gradient(labelled):
@@ -144,10 +147,9 @@ def test_what_has_no_label_touches_no_gradient(labelled):
 
 def test_the_student_sees_measured_and_labelled_pairs(labelled):
     pairs, _ = labelled
-    both = Joined(["measured"], pairs)
-    assert len(both) == 2
-    assert both[0] == "measured"
-    assert both[1].name == "a"
+    measured = replace(pairs[0], name="measured")
+    both = Joined([measured], pairs)
+    assert [both[number].name for number in range(len(both))] == ["measured", "a"]
 
 
 def test_a_teacher_that_is_sure_of_nothing_is_refused(tmp_path):

@@ -228,7 +228,7 @@ def _metres(
 ) -> NDArray[np.float32]:
     """Return the depth in metres for a camera, at a size, +inf in the sky."""
     height, width = image.shape[-2:]
-    sample = Sample(("photo",), Frame(image, camera.resized(width, height)), None)
+    sample = Sample(("photo",), Frame(image, camera.resized(float(width), float(height))), None)
     depth = in_metres(prediction.depth, prediction, sample)[0]
     values = resized(np.ascontiguousarray(depth.numpy()), size)
     if prediction.sky_logit is not None:
