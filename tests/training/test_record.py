@@ -29,16 +29,15 @@ def noted(record, *numbers):
 
 
 def test_a_line_has_the_means_since_the_last_and_the_time_left(record, said):
-    """Two lines of two iterations each took 10 s: 5 s an iteration."""
     noted(record, 1, 2, 3, 4)
     assert said == [
-        "2/6  total 1.5000  5.00 s/it, 20 s left",
-        "4/6  total 3.5000  5.00 s/it, 10 s left",
+        "2/6  total 1.5000  10.00 s/it, 40 s left",
+        "4/6  total 3.5000  10.00 s/it, 20 s left",
     ]
     lines = [json.loads(line) for line in record.path.read_text().splitlines()]
     assert lines == [
-        {"iteration": 2, "seconds": 5.0, "rate": 0.5, "total": 1.5},
-        {"iteration": 4, "seconds": 5.0, "rate": 0.5, "total": 3.5},
+        {"iteration": 2, "seconds": 10.0, "rate": 0.5, "total": 1.5},
+        {"iteration": 4, "seconds": 10.0, "rate": 0.5, "total": 3.5},
     ]
 
 
@@ -47,6 +46,14 @@ def test_the_last_iteration_has_a_line_whatever_its_number(record, said):
     noted(record, *range(1, 7))
     assert [line.split()[0] for line in said] == ["4/6", "6/6"]
     assert said[1].startswith("6/6  total 5.5000")
+
+
+def test_where_iterations_are_slow_a_line_comes_within_a_minute_or_two(record, said):
+    """At ten seconds each, six of them: a line for every fifty would take over eight minutes."""
+    record.every = record.iterations = 50
+    noted(record, *range(1, 13))
+    assert [line.split()[0] for line in said] == ["6/50", "12/50"]
+    assert said[0].endswith("10.00 s/it, 7 min left")
 
 
 def test_the_score_of_a_validation_is_logged_and_said(record, said):

@@ -16,6 +16,19 @@ from flexdepth.experiments.run import run_experiment
 from flexdepth.runtime.errors import InputError
 from flexdepth.training.semi_supervised import Agreement
 
+_PAGE = """\
+usage: flexdepth train EXPERIMENT [--field value ...]
+
+Train a network, or go on with a run that was interrupted.
+
+experiments:
+{experiments}
+  or a .yaml file: `like: compact`, and what differs from it
+
+flexdepth train EXPERIMENT --help lists its fields; flexdepth show experiment EXPERIMENT prints all
+of it as YAML, to begin a file with. docs/chapter3.md says more.
+"""
+
 
 @dataclass(frozen=True)
 class Train:
@@ -48,11 +61,12 @@ class Train:
 
 def run(arguments: Sequence[str]) -> int:
     """Train the experiment that the first argument names."""
-    if not arguments or arguments[0].startswith("-"):
-        arguments = ("compact", *arguments) if "--help" in arguments or "-h" in arguments else ()
-    if not arguments:
-        raise InputError(f"name an experiment: flexdepth train {next(iter(CATALOGUE))}")
-    name, *rest = arguments
+    name, *rest = arguments or [""]
+    if name in ("-h", "--help"):
+        sys.stdout.write(_page())
+        return 0
+    if not name or name.startswith("-"):
+        raise InputError(f"name an experiment first, of {sorted(CATALOGUE)}, or a .yaml file")
     named = experiment_named(name)
     with told_in_one_line(f"flexdepth train {name}"):
         settings = tyro.cli(
@@ -73,6 +87,10 @@ def run(arguments: Sequence[str]) -> int:
         experiment = replace(experiment, labels=labels)
     run_experiment(experiment, settings.output_dir, settings.processes, _say)
     return 0
+
+
+def _page() -> str:
+    return _PAGE.format(experiments="\n".join(f"  {name}" for name in CATALOGUE))
 
 
 def _say(line: str) -> None:

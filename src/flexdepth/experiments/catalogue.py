@@ -65,9 +65,13 @@ def experiment_named(name: str) -> Experiment:
         InputError: There is no such experiment or file, or it holds anything else.
     """
     if Path(name).suffix in {".yaml", ".yml"}:
-        return read_experiment(Path(name))
+        return read_experiment(Path(name), CATALOGUE)
     if name not in CATALOGUE:
         near = get_close_matches(name, CATALOGUE, n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"choose one of {sorted(CATALOGUE)}"
+        hint = (
+            f"did you mean {near[0]!r}?"
+            if near
+            else f"choose one of {sorted(CATALOGUE)} or a .yaml file"
+        )
         raise InputError(f"no experiment {name!r}; {hint}")
     return CATALOGUE[name]

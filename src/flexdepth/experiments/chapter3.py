@@ -9,10 +9,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from flexdepth.data import Folder, Kitti, NyuFolders, NyuLabelled
+from flexdepth.data.colour import Colour
 from flexdepth.data.kitti import EIGEN_TEST
 from flexdepth.data.read import Split
 from flexdepth.data.recipes import KittiCrop, NyuCrop
-from flexdepth.data.transforms import Colour
 from flexdepth.evaluation.alignment import Alignment
 from flexdepth.experiments import terms
 from flexdepth.experiments.experiment import Experiment
@@ -97,16 +97,18 @@ annotated depth, a fifth of the pixels. The dissertation tests on all 697 images
 which 652 have annotated depth: these are held out.
 """
 
+_LIGHT = AGA(
+    encoder=Encoder(output_stride=16),
+    laterals=(64, 32, 32, 32),
+    top=64,
+    widths=(32, 32, 32, 32, 32),
+    pyramid=Pyramid(width=64),
+    head=BinnedDepth(DepthBins(150, 0.00375, 1.5, unit=80.0)),
+).merged_by(SpatialPlusChannelAttention(ratio=4, channel=ChannelAttention(8)))
+
 CHAPTER3_SMALL = replace(
     Experiment(),
-    network=AGA(
-        encoder=Encoder(output_stride=16),
-        laterals=(64, 32, 32, 32),
-        top=64,
-        widths=(32, 32, 32, 32, 32),
-        pyramid=Pyramid(width=64),
-        head=BinnedDepth(DepthBins(150, 0.00375, 1.5, unit=80.0)),
-    ).merged_by(SpatialPlusChannelAttention(ratio=4, channel=ChannelAttention(8))),
+    network=_LIGHT,
     terms=terms.RENDERS,
     loop=replace(
         NYU_LARGE.loop,
@@ -126,9 +128,7 @@ which no picture tells, so depth is fitted before it is scored.
 
 CHAPTER3_SHORT = replace(
     CHAPTER3_SMALL,
-    network=replace(
-        CHAPTER3_SMALL.network, head=BinnedDepth(DepthBins(40, 0.00375, 1.5, unit=80.0))
-    ),
+    network=replace(_LIGHT, head=BinnedDepth(DepthBins(40, 0.00375, 1.5, unit=80.0))),
     data=Folder(Path("renders/short-train")),
     held_out=Folder(Path("renders/short-heldout")),
     loop=replace(

@@ -17,6 +17,9 @@ from flexdepth.training.curves import Curves
 LOGGED_EVERY = 50
 """Iterations; the terms are their mean over so many."""
 
+SILENCE = 60.0
+"""Seconds after which a line is due before that, where iterations are slow."""
+
 HELD_OUT = "held_out_"
 """What the scores of a validation are called by in the log, before the names of their metrics."""
 
@@ -55,7 +58,7 @@ class Record:
         iterations: How many the whole run has, for the time left.
         show: Takes the lines meant for people.
         curves: Draws what is logged.
-        every: Iterations between two lines.
+        every: Iterations between two lines, fewer where they take longer than `SILENCE`.
     """
 
     path: Path
@@ -71,11 +74,13 @@ class Record:
     def iteration(self, number: int, rate: float, parts: Mapping[str, Tensor]) -> None:
         """Note one iteration; its numbers are not looked at before a line is due."""
         self._recent.append(parts)
-        if number % self.every and number != self.iterations:
+        now = monotonic()
+        due = number % self.every == 0 or number == self.iterations
+        if not due and now - self._told < SILENCE:
             return
         count = len(self._recent)
         means = {name: sum(float(r[name]) for r in self._recent) / count for name in parts}
-        seconds = self._seconds() / count
+        seconds, self._told = (now - self._told) / count, now
         self._spent, self._done = self._spent + seconds * count, self._done + count
         self._write({"iteration": number, "seconds": round(seconds, 3), "rate": rate, **means})
         self.curves.draw(number, {"rate": rate, **{f"term/{k}": v for k, v in means.items()}})
@@ -94,11 +99,6 @@ class Record:
     def pictures(self, number: int, named: Mapping[str, Pixels]) -> None:
         """Note what the network makes of some images."""
         self.curves.paint(number, named)
-
-    def _seconds(self) -> float:
-        """Return how long ago this was last asked."""
-        before, self._told = self._told, monotonic()
-        return self._told - before
 
     def _write(self, entry: Mapping[str, int | float]) -> None:
         try:
