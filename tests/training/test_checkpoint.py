@@ -1,4 +1,5 @@
 import json
+import os
 import subprocess
 from pathlib import Path
 
@@ -31,6 +32,14 @@ def test_a_checkpoint_comes_back_to_the_bit(tmp_path):
     assert (found.iteration, found.settings) == (7, {"seed": 1})
     assert torch.equal(found.part("network")["x"], weights["network.x"])
     assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has other permissions")
+def test_a_checkpoint_may_be_read_by_whoever_may_read_other_files(tmp_path):
+    ordinary = tmp_path / "ordinary"
+    ordinary.touch()
+    save(tmp_path / "a.safetensors", Checkpoint(1, {}, {"network.x": torch.zeros(1)}))
+    assert (tmp_path / "a.safetensors").stat().st_mode == ordinary.stat().st_mode
 
 
 @pytest.mark.parametrize("content", [b"", b"garbage", b"\x80\x04\x95pickle", b"\xff" * 64])

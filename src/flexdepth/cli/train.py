@@ -3,17 +3,29 @@
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated
 
 import tyro
 
 from flexdepth.cli.arguments import told_in_one_line
-from flexdepth.experiments.catalogue import CATALOGUE
+from flexdepth.experiments.catalogue import CATALOGUE, experiment_named
 from flexdepth.experiments.experiment import Bundled, Experiment, ImageNet, Start, Trained
 from flexdepth.experiments.run import run_experiment
 from flexdepth.runtime.errors import InputError
+
+_PAGE = """\
+usage: flexdepth train EXPERIMENT [--field value ...]
+
+Train a network, or go on with a run that was interrupted.
+
+experiments:
+{experiments}
+  or a .yaml file: `like: compact`, and what differs from it
+
+flexdepth train EXPERIMENT --help lists its fields; flexdepth show experiment EXPERIMENT prints all
+of it as YAML, to begin a file with. docs/chapter3.md says more.
+"""
 
 
 @dataclass(frozen=True)
@@ -39,21 +51,19 @@ class Train:
 
 def run(arguments: Sequence[str]) -> int:
     """Train the experiment that the first argument names."""
-    if not arguments or arguments[0].startswith("-"):
-        arguments = ("compact", *arguments) if "--help" in arguments or "-h" in arguments else ()
-    if not arguments:
-        raise InputError(f"name an experiment: flexdepth train {next(iter(CATALOGUE))}")
-    name, *rest = arguments
-    if name not in CATALOGUE:
-        near = get_close_matches(name, CATALOGUE, n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"choose one of {sorted(CATALOGUE)}"
-        raise InputError(f"no experiment {name!r}; {hint}")
+    name, *rest = arguments or [""]
+    if name in ("-h", "--help"):
+        sys.stdout.write(_page())
+        return 0
+    if not name or name.startswith("-"):
+        raise InputError(f"name an experiment first, of {sorted(CATALOGUE)}, or a .yaml file")
+    named = experiment_named(name)
     with told_in_one_line(f"flexdepth train {name}"):
         settings = tyro.cli(
             Train,
             args=rest,
             prog=f"flexdepth train {name}",
-            default=Train(CATALOGUE[name], Path("runs") / name),
+            default=Train(named, Path("runs") / Path(name).stem),
             config=(tyro.conf.AvoidSubcommands,),
         )
     experiment = settings.experiment
@@ -63,6 +73,10 @@ def run(arguments: Sequence[str]) -> int:
         experiment = replace(experiment, start=_start(settings.start))
     run_experiment(experiment, settings.output_dir, settings.processes, _say)
     return 0
+
+
+def _page() -> str:
+    return _PAGE.format(experiments="\n".join(f"  {name}" for name in CATALOGUE))
 
 
 def _start(weights: str) -> Start:

@@ -8,7 +8,7 @@ from flexdepth.codec import Codec
 from flexdepth.data import Data, Folder
 from flexdepth.data.recipes import Recipe
 from flexdepth.data.transforms import Crop
-from flexdepth.losses import GradientMatching, Loss, Silog, Sky
+from flexdepth.losses import Focal, GradientMatching, Loss, Silog, Sky, SpreadQuantiles
 from flexdepth.networks import Network
 from flexdepth.networks.compact import Compact
 from flexdepth.networks.extended import Branch
@@ -79,6 +79,8 @@ def _terms() -> Mapping[str, Term]:
         "silog": Term(Silog(0.5), 1.0),
         "gradient": Term(GradientMatching(), 0.5),
         "sky": Term(Sky(), 0.1),
+        "spread": Term(SpreadQuantiles(), 0.1),
+        "focal": Term(Focal(), 0.1),
     }
 
 

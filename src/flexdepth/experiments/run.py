@@ -22,7 +22,7 @@ from flexdepth.training.processes import Place, joined
 from flexdepth.training.record import Record, Silence, taken_up
 from flexdepth.training.validation import pictures
 
-LATEST, BEST = "latest.safetensors", "best.safetensors"
+LATEST, BEST, LOG = "latest.safetensors", "best.safetensors", "log.jsonl"
 """Files in a run's folder; the best has the lowest held-out error of the averaged weights."""
 
 
@@ -70,15 +70,15 @@ def _train_in(
     folder: Path, experiment: Experiment, run: Run, sources: Sources, show: Callable[[str], None]
 ) -> None:
     """Train, and leave log, curves and checkpoints in a folder."""
+    check_writable(folder)
     show(
         f"{'resuming' if run.iteration else 'starting'} at iteration {run.iteration} of "
         f"{experiment.loop.iterations} with {len(sources.training)} images, "
         f"{len(sources.held_out)} held out, on {run.place.count} x {run.place.device}"
     )
-    check_writable(folder)
     folder.mkdir(parents=True, exist_ok=True)
     discard_unfinished(folder)
-    log = folder / "log.jsonl"
+    log = folder / LOG
     lowest = min(taken_up(log, run.iteration), default=inf)
     curves = Curves(folder / "tensorboard", run.iteration, show)
     record = Record(log, experiment.loop.iterations, show, curves)
@@ -109,7 +109,7 @@ def _begun(experiment: Experiment, latest: Path, place: Place) -> Run:
     if theirs != experiment:
         raise InputError(
             f"{latest}: belongs to a run of other settings; take another folder "
-            f"({_difference(CODEC.plain(theirs), CODEC.plain(experiment))})"
+            f"({difference(theirs, experiment)})"
         )
     run = Run.started(network, experiment.loop, place)
     run.resume(found, str(latest))
@@ -124,17 +124,29 @@ def _check_shapes(network: nn.Module, experiment: Experiment) -> None:
     """
     outline = copy.deepcopy(network).to("meta").eval()
     for width, height in experiment.loop.batches.shapes:
-        try:
-            outline(torch.empty(1, 3, height, width, device="meta"))
-        except RuntimeError as error:
+        if not _takes(outline, width, height):
             raise InputError(
                 f"loop.batches.shapes: {type(experiment.network).__name__} does not take images of "
                 f"{width}x{height}; multiples of 32 suit every network"
-            ) from error
+            )
+
+
+def _takes(outline: nn.Module, width: int, height: int) -> bool:
+    """Return whether a network without memory makes depth of the size of its image."""
+    try:
+        depth = outline(torch.empty(1, 3, height, width, device="meta")).depth
+    except RuntimeError:
+        return False
+    return bool(depth.shape[-2:] == (height, width))
+
+
+def difference(theirs: Experiment, ours: Experiment) -> str:
+    """Return where two experiments first differ: `loop.seed: 1 there, 2 here`."""
+    return _difference(CODEC.plain(theirs), CODEC.plain(ours))
 
 
 def _difference(theirs: object, ours: object, name: str = "") -> str:
-    """Return where two settings as plain values first differ: `loop.seed: 1 there, 2 here`."""
+    """Return where two settings as plain values first differ."""
     if isinstance(theirs, dict) and isinstance(ours, dict):
         kinds = theirs.get("_type"), ours.get("_type")
         if kinds[0] == kinds[1]:

@@ -14,7 +14,7 @@ from flexdepth.synth.furniture import Parts, ball, placed
 from flexdepth.synth.landscapes import landscape
 from flexdepth.synth.materials import Part, material
 from flexdepth.synth.scene import Aim, Carrier, Scene
-from flexdepth.synth.shapes import Array, box, joined, tube, wire
+from flexdepth.synth.shapes import Array, box, joined, rods, tube, wire
 from flexdepth.synth.streets import street
 from flexdepth.synth.trees import shrub
 from flexdepth.synth.vehicles import bicycle
@@ -40,8 +40,10 @@ def flowers(rng: Generator) -> Scene:
     make: Make = sunflower if tall else daisy
     base = landscape(rng)
     reach = 14.0 if tall else 5.0
-    spots = rng.uniform(-reach, reach, (int(rng.integers(80, 260)), 3)) * (1, 0, 1)
-    spots = spots[np.hypot(spots[:, 0], spots[:, 2]) > (0.8 if tall else 0.25)]
+    count = int(rng.integers(100, 320))
+    away, yaw = reach * rng.random(count) ** 0.8, rng.uniform(0, 2 * np.pi, count)
+    spots = np.stack([away * np.sin(yaw), 0 * yaw, away * np.cos(yaw)], 1)
+    spots = spots[away > (0.8 if tall else 0.25)]
     parts = bed(rng, make, spots, 4)
     blades = rng.uniform(-reach, reach, (int(rng.integers(0, 5000)), 3)) * (0.6, 0, 0.6)
     if len(blades):
@@ -85,19 +87,21 @@ def basket(rng: Generator) -> Parts:
 
     sizes = ((0.23, 3.05), (0.19, 2.93), (0.155, 2.82), (0.13, 2.7), (0.12, 2.6))
     rows = [ring(*size) for size in sizes]
-    net = [
-        tube(above[j], below[to % 18], (0.005, 0.005), 4)
+    knots = [
+        (above[j], below[to % 18])
         for k, (above, below) in enumerate(pairwise(rows))
         for j in range(k % 2, 18, 2)
         for to in (j - 1, j + 1)
     ]
+    upper, lower = np.swapaxes(knots, 0, 1)
+    net = rods(upper, lower, 0.007)
     board = box((0, 3.4, 0.42), (1.8, 1.05, 0.04))
     post = joined([tube((0, 0, 1.3), (0, 3.2, 1.3), (0.08, 0.08)),
                    tube((0, 3.2, 1.3), (0, 3.2, 0.42), (0.05, 0.05)),
                    tube((0, 3.05, 0.42), (0, 3.05, 0.23), (0.03, 0.03))])  # fmt: skip
     parts = [
         Part(wire(rows[0], 0.011), material(rng, "metal")),
-        Part(joined(net), material(rng, "paint")),
+        Part(net, material(rng, "paint")),
         Part(board, material(rng, str(rng.choice(["paint", "poster", "glass"])))),
         Part(post, material(rng, "metal")),
     ]

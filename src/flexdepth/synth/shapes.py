@@ -7,7 +7,6 @@ keeps its size on whatever it is put.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
 from math import cos, pi, sin
 
 import numpy as np
@@ -168,9 +167,35 @@ def tube(start: ArrayLike, end: ArrayLike, radii: tuple[float, float], segments:
 
 
 def wire(line: ArrayLike, radius: float, segments: int = 5) -> Mesh:
-    """Return tubes through a row of points: a stalk, a hoop, a rail, a cable."""
-    pairs = pairwise(np.asarray(line, float))
-    return joined([tube(a, b, (radius, radius), segments) for a, b in pairs])
+    """Return a tube through a row of points: a stalk, a hoop, a rail, a cable."""
+    points = np.asarray(line, float)
+    along = np.gradient(points, axis=0)
+    # Flat curves keep clear of their plane's normal, so that the tube does not twist.
+    normal = np.linalg.svd(points - points.mean(0), full_matrices=True)[2][2]
+    side = np.cross(along, normal)
+    side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-12)
+    other = np.cross(along, side)
+    other /= np.maximum(np.linalg.norm(other, axis=1, keepdims=True), 1e-12)
+    angle = np.linspace(0, 2 * pi, segments + 1)[None, :, None]
+    ring = np.cos(angle) * side[:, None] + np.sin(angle) * other[:, None]
+    return surface(points[:, None] + radius * ring)
+
+
+def rods(starts: Array, ends: Array, radius: float) -> Mesh:
+    """Return a thin three-sided rod, half as thick at its end, for each pair of points."""
+    along = ends - starts
+    side = np.cross(along, (0.3, 0.2, 1.0))
+    side *= radius / np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-9)
+    length = np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
+    other = np.cross(along / length, side)
+    ring = [side, -0.5 * side + 0.87 * other, -0.5 * side - 0.87 * other]
+    faces = []
+    for k in range(3):
+        a, b = starts + ring[k], starts + ring[(k + 1) % 3]
+        c, d = ends + 0.5 * ring[k], ends + 0.5 * ring[(k + 1) % 3]
+        faces += [np.stack([a, b, c], 1), np.stack([c, b, d], 1)]
+    corners = np.concatenate(faces)
+    return Mesh(corners, corners[..., :2].copy())
 
 
 def blob(rng: Generator, size: ArrayLike, roughness: float, segments: int = 14) -> Mesh:

@@ -113,7 +113,7 @@ def weather(rng: Generator) -> Weather:
     white = 0.5 * horizon + 0.5 * horizon.mean()
     overhead = zenith + (white * (1 - 0.6 * gloom) - zenith) * clouds
     ambient = (0.6 * overhead + 0.4 * horizon) * rng.uniform(0.7, 1.1)
-    haze = 0.0 if rng.random() < 0.25 else float(np.exp(rng.uniform(np.log(2e-4), np.log(6e-3))))
+    haze = 0.0 if rng.random() < 0.25 else float(np.exp(rng.uniform(np.log(1e-4), np.log(2e-3))))
     return Weather(
         zenith=zenith,
         horizon=horizon,
@@ -121,7 +121,7 @@ def weather(rng: Generator) -> Weather:
         sun=_sun(rng, hour, float(ambient.mean())),
         clouds=clouds,
         gloom=gloom,
-        haze=haze if rng.random() < 0.93 else float(rng.uniform(0.01, 0.04)),
+        haze=haze if rng.random() < 0.96 else float(rng.uniform(0.005, 0.02)),
         dark=hour.dark,
     )
 

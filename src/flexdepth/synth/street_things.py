@@ -5,7 +5,7 @@ from numpy.random import Generator
 
 from flexdepth.synth.furniture import Parts
 from flexdepth.synth.materials import Part, fitted, glowing, material
-from flexdepth.synth.shapes import box, cushion, joined, leaves_at, quad, revolved, tube, wire
+from flexdepth.synth.shapes import box, cushion, joined, leaves_at, quad, revolved, rods, tube, wire
 from flexdepth.synth.trees import foliage
 
 
@@ -148,11 +148,13 @@ def cables(rng: Generator, reach: float, x: float) -> Parts:
     posts = [tube((x, 0, at), (x, tall, at), (0.13, 0.1)) for at in z]
     posts += [box((x, tall - 0.4, at), (1.6, 0.1, 0.1)) for at in z]
     s = np.linspace(0, 1, 9)
-    lines = [
-        wire(
-            np.stack([0 * s + x + out, tall - 0.3 - 2.5 * s * (1 - s), at + apart * s], 1), 0.012, 3
-        )
-        for at in z[:-1]
-        for out in (-0.7, -0.25, 0.25, 0.7)
-    ]
-    return [Part(joined(posts), material(rng, "bark")), Part(joined(lines), material(rng, "tyre"))]
+    sag = tall - 0.3 - 2.5 * s * (1 - s)
+    lines = np.concatenate(
+        [
+            np.stack([0 * s + x + out, sag, at + apart * s], 1)[None]
+            for at in z[:-1]
+            for out in (-0.7, -0.25, 0.25, 0.7)
+        ]
+    )
+    wires = rods(lines[:, :-1].reshape(-1, 3), lines[:, 1:].reshape(-1, 3), 0.012)
+    return [Part(joined(posts), material(rng, "bark")), Part(wires, material(rng, "tyre"))]

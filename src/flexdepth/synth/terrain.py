@@ -50,14 +50,16 @@ class Terrain:
         heading = rng.uniform(0, 2 * pi, _OCTAVES)
         number = 2 * pi / length
         near = rng.uniform(60, 400)
+        highest = near + rng.uniform(150, 700)
         return cls(
             level=level,
             gentle=float(rng.uniform(10, 80)),
             waves=np.stack([number * np.cos(heading), number * np.sin(heading)], 1),
             phase=rng.uniform(0, 2 * pi, _OCTAVES),
             relief=relief * (length / 500) ** rng.uniform(0.7, 1.1),
-            peaks=peaks,
-            rim=(float(near), float(near + rng.uniform(150, 700))),
+            # What closes the view leaves sky above it.
+            peaks=min(peaks, 0.33 * highest),
+            rim=(float(near), float(highest)),
         )
 
     def height(self, x: Array, z: Array) -> Array:

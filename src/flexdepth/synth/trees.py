@@ -7,7 +7,18 @@ from numpy.random import Generator
 
 from flexdepth.synth.furniture import Parts
 from flexdepth.synth.materials import Material, Part, material
-from flexdepth.synth.shapes import Array, Mesh, blob, joined, leaves, revolved, surface, tube, wire
+from flexdepth.synth.shapes import (
+    Mesh,
+    blob,
+    joined,
+    leaves,
+    leaves_at,
+    revolved,
+    rods,
+    surface,
+    tube,
+    wire,
+)
 
 _FOLIAGE = ("leaf", "leaf", "leaf", "leaf", "autumn", "blossom")
 
@@ -25,7 +36,7 @@ def broadleaf(rng: Generator) -> Parts:
     top = np.array([lean[0], stem, lean[1]])
     wood = [tube((0, -0.3, 0), top, (0.028 * height, 0.02 * height))]
     green = []
-    leaf = float(rng.uniform(0.015, 0.04)) * height
+    leaf = float(min(rng.uniform(0.015, 0.04) * height, 0.25))
     for _ in range(int(rng.integers(7, 16))):
         way = rng.normal(size=3)
         way /= np.linalg.norm(way)
@@ -33,7 +44,7 @@ def broadleaf(rng: Generator) -> Parts:
         tip = middle + way * (wide, 0.5 * (height - stem), wide) * rng.uniform(0.45, 0.9)
         wood.append(tube(top, tip, (0.012 * height, 0.004 * height), 5))
         size = np.array([1, rng.uniform(0.55, 0.9), 1]) * height * rng.uniform(0.12, 0.28)
-        green.append(leaves(rng, size * 1.15, int(rng.integers(90, 200)), leaf).placed(tip))
+        green.append(leaves(rng, size * 1.15, int(rng.integers(120, 280)), leaf).placed(tip))
         green.append(blob(rng, 0.72 * size, 0.2, 7).placed(tip))
     bark = material(rng, "bark")
     return [Part(joined(wood), bark), Part(joined(green), foliage(rng))]
@@ -43,19 +54,18 @@ def conifer(rng: Generator) -> Parts:
     """A spruce or a pine: a cone of drooping whorls with ragged edges."""
     height = float(rng.uniform(4, 20))
     foot, wide = height * rng.uniform(0.03, 0.25), height * rng.uniform(0.13, 0.25)
-    whorls = int(rng.integers(7, 14))
-    meshes = []
-    for level in np.linspace(0, 1, whorls):
+    meshes, spots = [], []
+    for level in np.linspace(0, 1, int(rng.integers(12, 24))):
         y = foot + (height - foot) * level
-        radius = wide * (1.04 - level) * rng.uniform(0.85, 1.1)
-        drop = radius * rng.uniform(0.3, 0.7)
-        angle = np.linspace(0, 2 * np.pi, 19)
-        ragged = radius * rng.uniform(0.6, 1.15, 19)
+        radius = wide * (1.04 - level) * rng.uniform(0.8, 1.1)
+        angle = np.linspace(0, 2 * np.pi, 14)
+        ragged = radius * rng.uniform(0.5, 1.15, 14)
         ragged[-1] = ragged[0]
-        rim = np.stack([ragged * np.cos(angle), 0 * angle - drop, ragged * np.sin(angle)], 1)
-        inner = 0.12 * rim + np.array([0, 0.12 * radius, 0])
-        whorl = surface(np.stack([inner, 0.55 * rim + inner / 2, rim]))
-        meshes.append(whorl.placed((0, y, 0)))
+        rim = np.stack([ragged * np.cos(angle), -0.45 * ragged, ragged * np.sin(angle)], 1)
+        inner = 0.1 * rim + np.array([0, 0.25 * radius, 0])
+        meshes.append(surface(np.stack([inner, rim]) + np.array([0, y, 0])))
+        spots.append(rim[:-1] * rng.uniform(0.5, 1.05, (13, 1)) + np.array([0, y, 0]))
+    meshes.append(leaves_at(rng, np.concatenate(spots * 3), min(0.05 * height, 0.4)))
     trunk = tube((0, -0.3, 0), (0, 0.97 * height, 0), (0.02 * height, 0.004 * height))
     dark = material(rng, "leaf")
     dark = Material(dark.pattern, dark.colours * rng.uniform(0.35, 0.9), dark.size)
@@ -119,34 +129,19 @@ def bare(rng: Generator) -> Parts:
         turned = turned + rng.normal(0, 0.42, base.shape) + (0, 0.12, 0)
         tip = base + length * turned / np.linalg.norm(turned, axis=1, keepdims=True)
         radius *= 0.58
-        limbs.append(_twigs(base, tip, max(radius, 0.006)))
+        limbs.append(rods(base, tip, max(radius, 0.006)))
         start, end = base, tip
     return [Part(joined(limbs), material(rng, "bark"))]
-
-
-def _twigs(base: Array, tip: Array, radius: float) -> Mesh:
-    """Return three-sided spikes from each base to each tip."""
-    along = tip - base
-    side = np.cross(along, (0.3, 0.2, 1.0))
-    side *= radius / np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-9)
-    other = np.cross(along / np.linalg.norm(along, axis=1, keepdims=True), side)
-    ring = [side, -0.5 * side + 0.87 * other, -0.5 * side - 0.87 * other]
-    faces = []
-    for k in range(3):
-        a, b = base + ring[k], base + ring[(k + 1) % 3]
-        c, d = tip + 0.5 * ring[k], tip + 0.5 * ring[(k + 1) % 3]
-        faces += [np.stack([a, b, c], 1), np.stack([c, b, d], 1)]
-    corners = np.concatenate(faces)
-    return Mesh(corners, corners[..., :2].copy())
 
 
 def shrub(rng: Generator) -> Parts:
     """A bush that is leaves all through, some with flowers."""
     size = rng.uniform((0.5, 0.4, 0.5), (2.8, 2.2, 2.8))
     middle = (0, 0.45 * size[1], 0)
-    leaf = float(rng.uniform(0.05, 0.16))
-    green = leaves(rng, size, int(rng.integers(250, 800)), leaf)
-    core = blob(rng, 0.72 * size, 0.2, 9)
+    leaf = float(rng.uniform(0.035, 0.12))
+    count = int(rng.uniform(0.4, 1.2) * min(2200, 1.5 * size[0] * size[1] / leaf**2) + 150)
+    green = leaves(rng, size, count, leaf)
+    core = blob(rng, 0.62 * size, 0.35, 9)
     parts = [Part(joined([green, core]).placed(middle), foliage(rng))]
     if rng.random() < 0.3:
         blooms = leaves(rng, 1.05 * size, int(rng.integers(30, 150)), leaf)

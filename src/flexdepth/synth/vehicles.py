@@ -8,7 +8,9 @@ from numpy.random import Generator
 
 from flexdepth.synth.furniture import Parts
 from flexdepth.synth.materials import Material, Part, colour, glowing, material
-from flexdepth.synth.shapes import Array, Mesh, box, joined, revolved, surface, tube, wire
+from flexdepth.synth.shapes import Array, Mesh, box, joined, revolved, rods, surface, tube, wire
+
+_SIDES = (-1, 1)
 
 Stations = tuple[tuple[float, float, float], ...]
 
@@ -84,9 +86,9 @@ _SHAPES = (
 def _loft(stations: Stations, width: float, low: float, boxy: float, grown: float = 1.0) -> Array:
     """Return sections along z, each a rounded arch from `low` up: stations by points by 3."""
     z, wide, top = np.array(stations).T
-    fine = np.linspace(0, len(z) - 1, 4 * len(z))
+    fine = np.linspace(0, len(z) - 1, 2 * len(z) + 3)
     z, wide, top = (np.interp(fine, np.arange(len(z)), row) for row in (z, wide, top))
-    angle = np.linspace(0, np.pi, 19)
+    angle = np.linspace(0, np.pi, 15)
 
     def power(x: Array) -> Array:
         return np.sign(x) * np.abs(x) ** boxy
@@ -114,7 +116,7 @@ def _paint(rng: Generator) -> Material:
 def wheels(width: float, axles: tuple[float, ...], radius: float) -> tuple[Mesh, Mesh]:
     """Return tyres and rims, one on each side of each axle, `width` apart outside."""
     outline = [(0, -0.1), (0.8, -0.1), (1, -0.07), (1, 0.07), (0.8, 0.1), (0, 0.1)]
-    lying = revolved([(r * radius, y) for r, y in outline], 18)
+    lying = revolved([(r * radius, y) for r, y in outline], 14)
     cap = revolved([(0.62 * radius, -0.104), (0.5 * radius, -0.09), (0, -0.108)], 9)
     cap = joined([cap, cap.scaled((1, -1, 1))])
     upright = np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
@@ -135,7 +137,7 @@ def car(rng: Generator) -> Parts:
     cabin = _loft(shape.cabin, shape.width, shape.hull[3][2] - 0.08, 0.55)
     shell = _loft(shape.cabin, shape.width, shape.hull[3][2] - 0.08, 0.55, 1.008)
     rows = len(shell)
-    solid = [shell[int(0.25 * rows) : int(0.88 * rows), 6:13]]
+    solid = [shell[int(0.25 * rows) : int(0.88 * rows), 5:10]]
     begin, end = (int(share * (rows - 1)) for share in shape.glazed)
     solid += [shell[max(k - 1, 0) : k + 1] for k in (int(0.28 * rows), rows // 2, int(0.82 * rows))]
     if end < rows - 1:
@@ -222,12 +224,11 @@ def bicycle(rng: Generator) -> Parts:
     hubs = [np.array([0, radius, z]) for z in (-0.52, 0.52)]
     ring = np.stack([0 * angle, np.sin(angle), np.cos(angle)], 1)
     tyres = [wire(hub + radius * ring, 0.018) for hub in hubs]
-    spokes = [
-        tube(hub + np.array([s * 0.03, 0, 0]), hub + 0.97 * radius * ring[k], (0.0018, 0.0018), 3)
-        for hub in hubs
-        for k in range(0, 24, 2)
-        for s in (-1, 1)
-    ]
+    start = np.concatenate(
+        [hub + np.array([s * 0.03, 0, 0]) + 0 * ring[::2] for hub in hubs for s in _SIDES]
+    )
+    end = np.concatenate([hub + 0.97 * radius * ring[::2] for hub in hubs for _ in _SIDES])
+    spokes = rods(start, end, 0.003)
     seat, pedal, head = np.array([(0, 0.92, 0.2), (0, 0.3, 0.05), (0, 0.88, -0.36)])
     pairs = ((seat, pedal), (pedal, head), (head, hubs[0]), (seat, hubs[1]), (pedal, hubs[1]),
              (seat - np.array([0, 0.1, 0]), head - np.array([0, 0.08, 0])))  # fmt: skip
@@ -244,7 +245,7 @@ def bicycle(rng: Generator) -> Parts:
     shine = _paint(rng)
     parts = [
         Part(joined([*tyres, saddle]), material(rng, "tyre")),
-        Part(joined([*spokes, bar, crank]), material(rng, "metal")),
+        Part(joined([spokes, bar, crank]), material(rng, "metal")),
         Part(joined(frame + (guards if rng.random() < 0.5 else [])), shine),
     ]
     lean = rng.normal(0, 0.08)

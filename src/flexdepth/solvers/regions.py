@@ -1,0 +1,142 @@
+"""Which pixels move by themselves, and which of them together.
+
+Each piece of the frame is tested by the median of what its pixels are off the camera's epipolar
+lines. How far such a median strays without any motion is not assumed: it is measured by how the
+pieces of the frame stray, most of which are still.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdepth.solvers.pieces import Labels, Neighbours, neighbours
+from flexdepth.solvers.two_view import Along
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_LEAST = 0.012
+"""Pixels: medians stray at least so far, even where the flow is said to be exact."""
+
+_STRONG, _WEAK = 6.0, 3.0
+"""Standard deviations at which a piece moves, and at which it does beside one that moves."""
+
+_BEHIND = 0.5
+"""The share of a piece's pixels behind the camera that makes it move."""
+
+_CLEAR = 2.0
+"""Standard deviations of negative parallax that put a pixel behind the camera."""
+
+_MOST = 24
+"""Moving regions are at most so many: the largest."""
+
+_SMALLEST = 2e-3
+"""The share of the frame that a moving region has at least."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moving:
+    """What moves by itself.
+
+    Attributes:
+        labels: Height x width: 0 is the static world, then the regions, the largest first.
+        strays: Pixels: how far the median of a still piece is off its epipolar lines.
+    """
+
+    labels: Labels
+    strays: float
+
+
+def moving_regions(
+    labels: Labels, flow: Array, along: Along, noise: Array, trusted: Mask
+) -> Moving:
+    """Return the regions that move by themselves.
+
+    Args:
+        labels: Pieces of the frame.
+        flow: Height x width x 2, pixels, finite.
+        along: What the flow says of depth, were all still.
+        noise: Height x width, pixels, finite.
+        trusted: Where the flow counts.
+    """
+    count = int(labels.max()) + 1
+    pixels = np.bincount(labels[trusted], minlength=count).astype(np.float64)
+    middle = np.abs(medians(labels[trusted], along.across[trusted], count))
+    strays = max(_LEAST, weighted_median(middle, pixels) / 0.6745)
+    behind = along.parallax < -_CLEAR * noise
+    share = np.bincount(labels[trusted], behind[trusted], minlength=count) / np.maximum(pixels, 1)
+    surprise = np.where(share > _BEHIND, 2 * _STRONG, middle / strays)
+    surprise[pixels < 3] = 0.0
+    pairs = neighbours(labels, flow, max(0.7, 3 * float(np.median(noise[trusted]))))
+    moves = _grown(surprise, pairs)
+    return Moving(_objects(labels, moves, pairs, pixels), strays)
+
+
+def medians(groups: NDArray[np.int32], values: Array, count: int) -> Array:
+    """Return the median of the values of each group, 0 where it has none."""
+    order = np.lexsort((values, groups))
+    size = np.bincount(groups, minlength=count)
+    begin = np.concatenate([[0], np.cumsum(size)[:-1]])
+    at = np.minimum(begin + size // 2, max(len(values) - 1, 0))
+    return np.where(size > 0, values[order][at], 0.0) if len(values) else np.zeros(count)
+
+
+def weighted_median(values: Array, weights: Array) -> float:
+    """Return the value that has half of the weight below it."""
+    order = np.argsort(values)
+    summed = np.cumsum(weights[order])
+    at = int(np.searchsorted(summed, summed[-1] / 2))
+    return float(values[order][min(at, len(values) - 1)])
+
+
+def _grown(surprise: Array, pairs: Neighbours) -> Mask:
+    """Return the pieces that move: the strong ones, and weak ones that touch them."""
+    moves = surprise > _STRONG
+    weak = surprise > _WEAK
+    for _ in range(len(surprise)):
+        beside = np.zeros_like(moves)
+        beside[pairs.first[moves[pairs.second]]] = True
+        beside[pairs.second[moves[pairs.first]]] = True
+        grown = moves | (beside & weak)
+        if (grown == moves).all():
+            break
+        moves = grown
+    return moves
+
+
+def _objects(labels: Labels, moves: Mask, pairs: Neighbours, pixels: Array) -> Labels:
+    """Return moving pieces put together where the flow goes on from one to the other."""
+    together = moves[pairs.first] & moves[pairs.second]
+    together &= pairs.joined >= np.maximum(2, 0.1 * pairs.length)
+    parent = np.arange(len(moves))
+    for one, other in zip(pairs.first[together], pairs.second[together], strict=True):
+        low, high = sorted((_root(parent, one), _root(parent, other)))
+        parent[high] = low
+    roots = np.array([_root(parent, each) for each in range(len(moves))])
+    size = np.bincount(roots, np.where(moves, pixels, 0), minlength=len(moves))
+    order = np.argsort(-size)[:_MOST]
+    order = order[size[order] >= max(20, _SMALLEST * labels.size)]
+    number = np.zeros(len(moves), np.int32)
+    number[order] = np.arange(1, len(order) + 1)
+    return np.asarray(np.where(moves, number[roots], 0)[labels], np.int32)
+
+
+def _root(parent: NDArray[np.intp], at: int) -> int:
+    while parent[at] != at:
+        parent[at] = parent[parent[at]]
+        at = int(parent[at])
+    return at
+
+
+def filled(labels: Labels, trusted: Mask) -> Labels:
+    """Return labels in which each pixel that does not count has the nearest one's that does."""
+    if trusted.all() or not trusted.any():
+        return labels
+    _, nearest = cv2.distanceTransformWithLabels(
+        (~trusted).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    of_pixel = np.zeros(int(nearest.max()) + 1, np.int32)
+    of_pixel[nearest[trusted]] = labels[trusted]
+    return np.asarray(of_pixel[nearest], np.int32)
