@@ -133,6 +133,22 @@ def test_weights_that_are_not_all_there_are_refused(saved, tmp_path):
     )
 
 
+def test_weights_that_no_output_depends_on_may_be_missing(saved, tmp_path, picture):
+    """As they are in Intel's published files of DPT, where transformers draws them at random."""
+    whole, folder = saved("dpt"), shutil.copytree(saved("dpt"), tmp_path / "published")
+    weights = load_file(folder / "model.safetensors")
+    unused = [name for name in weights if "fusion_stage.layers.0.residual_layer1." in name]
+    assert len(unused) == 4
+    for name in unused:
+        del weights[name]
+    save_file(weights, folder / "model.safetensors", {"format": "pt"})
+    found = network(str(folder))
+    np.testing.assert_array_equal(
+        found.look(picture).values, network(str(whole)).look(picture).values
+    )
+    assert found.about.digest == network(str(whole)).about.digest
+
+
 @pytest.mark.parametrize(
     ("changes", "said"),
     [

@@ -78,6 +78,13 @@ def test_there_are_words_for_whatever_a_scale_hangs_on_and_a_pixel_lacks(solutio
         assert solution_picture(there).size
 
 
+def test_motion_without_parts_is_told_by_its_share(solution, found):
+    one = replace(solution, found=replace(found, regions=found.regions[:1]))
+    assert summary(one)[-1] == "6.9% of the frame moves by itself, in no separate parts."
+    still = replace(found, regions=found.regions[:1], moving=np.zeros_like(found.moving))
+    assert summary(replace(solution, found=still))[-1].startswith("Nothing moves by itself")
+
+
 def test_many_movers_are_not_all_told(solution):
     still, mover = solution.found.regions
     regions = (still, *(replace(mover, label=label) for label in range(1, 10)))

@@ -72,7 +72,8 @@ class Solve:
     baseline: Annotated[float | None, tyro.conf.arg(metavar="METRES", help_behavior_hint="")] = None
     """How far the right camera is beside the left one."""
     objective: Annotated[Objective, tyro.conf.EnumChoicesFromValues] = Objective.DENSE
-    """What is minimised: everything at every pixel, or regions alone, which is faster."""
+    """What is minimised: everything at every pixel; regions alone, which is faster; or chapter 5 of
+    the dissertation, as written or corrected, which is slow and only to be compared with."""
     long_side: Annotated[int, tyro.conf.arg(metavar="PIXELS")] = LONG_SIDE
     """Larger frames are made so small first, and so are the outputs."""
     cloud: Annotated[

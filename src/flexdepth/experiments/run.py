@@ -70,12 +70,12 @@ def _train_in(
     folder: Path, experiment: Experiment, run: Run, sources: Sources, show: Callable[[str], None]
 ) -> None:
     """Train, and leave log, curves and checkpoints in a folder."""
+    check_writable(folder)
     show(
         f"{'resuming' if run.iteration else 'starting'} at iteration {run.iteration} of "
         f"{experiment.loop.iterations} with {len(sources.training)} images, "
         f"{len(sources.held_out)} held out, on {run.place.count} x {run.place.device}"
     )
-    check_writable(folder)
     folder.mkdir(parents=True, exist_ok=True)
     discard_unfinished(folder)
     log = folder / LOG
@@ -124,13 +124,20 @@ def _check_shapes(network: nn.Module, experiment: Experiment) -> None:
     """
     outline = copy.deepcopy(network).to("meta").eval()
     for width, height in experiment.loop.batches.shapes:
-        try:
-            outline(torch.empty(1, 3, height, width, device="meta"))
-        except RuntimeError as error:
+        if not _takes(outline, width, height):
             raise InputError(
                 f"loop.batches.shapes: {type(experiment.network).__name__} does not take images of "
                 f"{width}x{height}; multiples of 32 suit every network"
-            ) from error
+            )
+
+
+def _takes(outline: nn.Module, width: int, height: int) -> bool:
+    """Return whether a network without memory makes depth of the size of its image."""
+    try:
+        depth = outline(torch.empty(1, 3, height, width, device="meta")).depth
+    except RuntimeError:
+        return False
+    return bool(depth.shape[-2:] == (height, width))
 
 
 def difference(theirs: Experiment, ours: Experiment) -> str:

@@ -30,7 +30,10 @@ from flexdepth.runtime.foreign import Sight
 from flexdepth.runtime.session import Provider
 
 _DEVICES = {Provider.CPU: "cpu", Provider.CUDA: "cuda"}
-_PROCESSOR = ("preprocessor_config.json", "processor_config.json")
+
+_NEVER_USED = "fusion_stage.layers.0.residual_layer1."
+"""Weights of DPT's first fusion, which has nothing to add to what comes up: no output depends on
+them, and Intel's published files lack them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,21 +125,23 @@ def _opened(name: str, place: dict[str, Any], device: str) -> HubNetwork:
     model, report = _loaded(
         AutoModelForDepthEstimation,
         name,
-        {**place, "use_safetensors": True, "output_loading_info": True, "dtype": torch.float32},
+        {**place, "use_safetensors": True, "output_loading_info": True},
     )
     lacking = sorted(map(str, [*report["missing_keys"], *report["mismatched_keys"]]))
+    lacking = [each for each in lacking if _NEVER_USED not in each]
     if lacking:
         raise InputError(
             f"hub:{name}: {len(lacking)} weights are missing or of another shape, such as "
             f"{lacking[0]}; the file is not that of this model"
         )
+    model = model.eval().float().to(device)
     about = About(
         _title(name),
         _version(name, config),
         _licence(place, family, config),
         _digest(model, processor),
     )
-    return HubNetwork(about, family.space(config), family, model.eval().to(device), processor)
+    return HubNetwork(about, family.space(config), family, model, processor)
 
 
 @contextmanager
@@ -228,6 +233,8 @@ def _digest(model: Any, processor: Any) -> str:  # noqa: ANN401
         told = {key: value for key, value in settings.items() if not key.startswith("_")}
         digest.update(json.dumps(told, sort_keys=True, default=str).encode())
     for name, weight in sorted(model.state_dict().items()):
+        if _NEVER_USED in name:
+            continue
         digest.update(name.encode())
         digest.update(weight.detach().cpu().reshape(-1).view(torch.uint8).numpy().tobytes())
     return digest.hexdigest()

@@ -27,8 +27,8 @@ LONG_SIDE = 1280
 """Pixels: larger frames are made so small, for time and memory grow with their area."""
 
 _PRIOR_SPREAD = 0.15
-"""Relative standard deviation of single-image depth beyond one common factor: between what the
-bundled model is off by on KITTI (.096) and on NYU (.185)."""
+"""Relative standard deviation of single-image depth, beyond one common factor, where the model does
+not say it: between what the bundled one was off by on KITTI (.096) and on NYU (.185)."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +60,10 @@ class PairSettings:
             raise InputError(
                 "--stereo and --baseline belong together: the right camera's picture, and how many "
                 "metres it is beside the left one"
+            )
+        if self.objective.is_the_dissertations and (self.files.third or self.files.right):
+            raise InputError(
+                f"--objective {self.objective} takes two frames: leave --third and --stereo out"
             )
         if self.baseline is not None and not 0 < self.baseline < np.inf:
             raise InputError(f"--baseline: wanted metres, above 0, got {self.baseline:g}")
@@ -138,12 +142,12 @@ def solve(settings: PairSettings, say: Callable[[str], None] = lambda _step: Non
         other = _named("the right picture", others, pictures["key"], pictures["right"])
         stereo, notes = right_view(other, settings.baseline, str(settings.files.right))
     prior = None
-    if settings.prior is not None:
+    if settings.prior is not None and not settings.objective.is_the_dissertations:
         say("looking at the key frame alone")
         prior = single_image_depth(settings.prior, pictures["key"], views.camera)
     say("solving")
     seen = Seen(flow.flow, flow.noise, views.camera, pictures["key"], _prior(prior), third, stereo)
-    found = solved(settings.objective, seen)
+    found = solved(settings.objective, seen, pictures["key"], pictures["target"])
     model = f"flexdepth solve ({settings.objective})"
     if prior is not None:
         model += f", {prior.model}"
@@ -169,7 +173,8 @@ def single_image_depth(model: str | Path, picture: Picture, camera: Intrinsics) 
 def _prior(depth: DepthMap | None) -> Prior | None:
     if depth is None:
         return None
-    spread = np.full(depth.values.shape, _PRIOR_SPREAD, np.float32)
+    said = np.full(depth.values.shape, np.nan) if depth.spread is None else depth.spread
+    spread = np.where(np.isfinite(said), said, _PRIOR_SPREAD).astype(np.float32)
     return Prior(depth.depth, spread, depth.space is Space.METRIC)
 
 

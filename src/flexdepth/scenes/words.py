@@ -93,6 +93,8 @@ def depth_words(solution: Solution) -> str:
 def region_words(found: TwoFrame, most: int) -> list[str]:
     """Return a line for what is still, and one for each of the largest things that move."""
     movers = [region for region in found.regions if region.kind is not Kind.STATIC]
+    if not movers and found.moving.any():
+        return [f"{found.moving.mean():.1%} of the frame moves by itself, in no separate parts."]
     if not movers:
         return ["Nothing moves by itself, as far as the frames tell."]
     total = found.labels.size
