@@ -18,7 +18,7 @@ from flexdepth.runtime.depthmap import DepthMap, Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.files import SUFFIXES, read_depth
 from flexdepth.runtime.images import Photo, read_photo
-from flexdepth.runtime.lens import intrinsics
+from flexdepth.runtime.lens import Said, intrinsics
 from flexdepth.runtime.picture import panels, preview
 from flexdepth.runtime.sizes import resized
 from flexdepth.sample import Frame, Prediction, Sample, in_metres
@@ -214,7 +214,7 @@ def _network_size(width: int, height: int) -> tuple[int, int]:
 def _camera(photo: Photo, truth: DepthMap | None) -> tuple[Camera, bool]:
     """Return the camera in parts of the photo's sides, and whether it is more than assumed."""
     height, width = photo.pixels.shape[:2]
-    own = intrinsics(width, height, None, photo.focal_in_diagonals)
+    own = intrinsics(width, height, None, Said(photo.focal_in_diagonals))
     certain = photo.focal_in_diagonals is not None
     if truth is not None and truth.intrinsics is not None:
         (height, width), own, certain = truth.values.shape, truth.intrinsics, True

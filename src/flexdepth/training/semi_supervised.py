@@ -25,7 +25,7 @@ from flexdepth.runtime.depthmap import DepthMap, Intrinsics, Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.files import write_depth
 from flexdepth.runtime.images import Photo, is_picture_name, read_photo
-from flexdepth.runtime.lens import intrinsics
+from flexdepth.runtime.lens import Said, intrinsics
 from flexdepth.runtime.sizes import resized
 from flexdepth.sample import Frame, Prediction, Sample, in_metres
 from flexdepth.training.batches import Pairs
@@ -195,7 +195,7 @@ def _labelled(teacher: nn.Module, path: Path, agreement: Agreement) -> Pair:
     height, width = pixels.shape[:2]
     image = torch.from_numpy(pixels).permute(2, 0, 1).float() / 255
     said = label(teacher, image, agreement)
-    camera = intrinsics(width, height, None, photo.focal_in_diagonals)
+    camera = intrinsics(width, height, None, Said(photo.focal_in_diagonals))
     sample = Sample((path.stem,), Frame(image[None], _tensors(camera)), None)
     metres = in_metres(said.depth[None], said.prediction, sample)[0]
     values = metres.where(said.sure, torch.nan).where(~said.sky, torch.inf)
