@@ -52,7 +52,7 @@ def write_explained(path: Path, basis: DepthBasis, settings: Basis) -> None:
         Section 3.5.1 of the dissertation, which keeps "the most important" ones.
     """
     figure = Figure(figsize=(8, 5.6), layout="constrained")
-    upper, lower = np.ravel(figure.subfigures(2, 1, height_ratios=(3, 2)))
+    upper, lower = np.array(figure.subfigures(2, 1, height_ratios=(3, 2)), object)
     axes = upper.subplots()
     explained = basis.explained().numpy()
     axes.plot(np.arange(1, len(explained) + 1), explained, color=_BLUE, marker=".", markersize=4)
