@@ -12,6 +12,7 @@ from flexdepth.cli.arguments import told_in_one_line
 from flexdepth.cli.weights import start_of
 from flexdepth.experiments.catalogue import CATALOGUE, experiment_named
 from flexdepth.experiments.experiment import Experiment, ImageNet, Labels
+from flexdepth.experiments.held_out import with_own_held_out
 from flexdepth.experiments.run import run_experiment
 from flexdepth.runtime.errors import InputError
 from flexdepth.training.semi_supervised import Agreement
@@ -76,7 +77,7 @@ def run(arguments: Sequence[str]) -> int:
             default=Train(named, Path("runs") / Path(name).stem),
             config=(tyro.conf.AvoidSubcommands,),
         )
-    experiment = settings.experiment
+    experiment = with_own_held_out(named, settings.experiment)
     if settings.encoder_weights is not None:
         experiment = replace(experiment, start=ImageNet(settings.encoder_weights))
     if settings.start is not None:
