@@ -71,7 +71,7 @@ def lamps(
         x, z = rng.uniform(-0.4, 0.4, 2) * (width, length)
         drop = float(rng.uniform(0.3, 0.9)) if hanging and height > 2.3 else 0.03
         side = float(rng.uniform(0.1, 0.7))
-        power = tint * rng.uniform(0.8, 4.0) / count
+        power = tint * rng.uniform(1.0, 6.0) / count
         body = _fitting(rng, drop, shade if hanging else side)
         shining = Material("plain", np.tile(tint, (3, 1)), (1.0, 1.0), float(rng.uniform(2, 9)))
         parts.append(Part(body.placed((x, height, z)), shining))

@@ -120,7 +120,7 @@ def furnished(rng: Generator, kind: Kind) -> Scene:
         parts=whole.parts,
         lamps=whole.lamps[:1] if dark else whole.lamps,
         sun=None,
-        ambient=warm * (rng.uniform(0.01, 0.08) if dark else rng.uniform(0.12, 0.6)),
+        ambient=warm * (rng.uniform(0.01, 0.08) if dark else rng.uniform(0.05, 0.45)),
         occlusion_reach=float(rng.uniform(0.4, 1.4)),
         horizon=np.ones(3),
         zenith=np.ones(3),
