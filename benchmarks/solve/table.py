@@ -17,7 +17,8 @@ class Line:
     Attributes:
         flow: Its name in the suite.
         row: The method.
-        pairs: How many were scored.
+        seeds: Of the pairs that were scored.
+        each: What each pair scored.
         scores: The mean over them.
         seconds: Median wall clock of a pair.
         cpu: Median CPU time of a pair.
@@ -25,7 +26,8 @@ class Line:
 
     flow: str
     row: str
-    pairs: int
+    seeds: tuple[int, ...]
+    each: tuple[Scores, ...]
     scores: Scores
     seconds: float
     cpu: float
@@ -102,7 +104,7 @@ def _row(line: Line) -> str:
         f"{100 * line.scores[group].coverage:.0f} %" if group in line.scores else "-"
         for group in ("static", "moving")
     ]
-    row = f"{line.flow:10} {line.row:26} {line.pairs:>5}"
+    row = f"{line.flow:10} {line.row:26} {len(line.seeds):>5}"
     row += "".join(f"{cell:>10}" for cell in cells)
     return row + f"{known[0]:>13}{known[1]:>14}{line.seconds:>9.2f}{line.cpu:>8.2f}"
 

@@ -171,7 +171,7 @@ def test_noise_is_as_large_as_it_is_said_and_the_same_every_time(solve, pair):
 
 def line(solve, row, **scores):
     made = {group: solve["scoring"].Score(*numbers) for group, numbers in scores.items()}
-    return solve["table"].Line("exact", row, 20, made, 1.0, 0.5)
+    return solve["table"].Line("exact", row, (0,), (made,), made, 1.0, 0.5)
 
 
 def test_bars_are_met_from_the_side_they_ask_for(solve):
