@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from rows import BASELINE, FULL
-from scoring import GROUPS, Scores
+from scoring import GROUPS, SHAPES, Scores
 
 _ROUNDING = 1e-9
 
@@ -77,6 +77,7 @@ def text(lines: Sequence[Line], judged: Sequence[Verdict]) -> str:
     """Return the table: AbsRel/delta1 in percent of each group, then coverage and time."""
     head = f"{'flow':10} {'method':26} {'pairs':>5}"
     head += "".join(f"{group:>10}" for group in GROUPS)
+    head += "".join(f"{shape:>16}" for shape in SHAPES)
     head += f"{'still known':>13}{'moving known':>14}{'seconds':>9}{'CPU s':>8}"
     rows = [head, "-" * len(head)]
     last = None
@@ -94,6 +95,9 @@ def text(lines: Sequence[Line], judged: Sequence[Verdict]) -> str:
 
 
 def _row(line: Line) -> str:
+    shapes = [
+        abs_rel(line.scores[shape].abs_rel) if shape in line.scores else "-" for shape in SHAPES
+    ]
     cells = [
         f"{abs_rel(line.scores[group].abs_rel)}/{100 * line.scores[group].delta1:.0f}"
         if group in line.scores
@@ -106,6 +110,7 @@ def _row(line: Line) -> str:
     ]
     row = f"{line.flow:10} {line.row:26} {len(line.seeds):>5}"
     row += "".join(f"{cell:>10}" for cell in cells)
+    row += "".join(f"{shape:>16}" for shape in shapes)
     return row + f"{known[0]:>13}{known[1]:>14}{line.seconds:>9.2f}{line.cpu:>8.2f}"
 
 

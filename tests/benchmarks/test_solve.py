@@ -77,6 +77,18 @@ def test_one_wrong_mover_worked_by_hand(solve, pair):
     assert (found["rigid"].abs_rel, found["rigid"].delta1) == (pytest.approx(0.5), 0)
     assert (found["moving"].abs_rel, found["moving"].delta1) == (pytest.approx(0.25), 0.5)
     assert found["all"].abs_rel == pytest.approx(0.5 * 12 / (HEIGHT * WIDTH))
+    assert found["rigid shape"].abs_rel == found["flexible shape"].abs_rel == 0
+
+
+def test_the_shape_of_a_mover_is_scored_after_its_own_scale(solve, pair):
+    truth = with_movers(pair)
+    depth = truth.depth.copy()
+    # Of the rigid mover's 12 pixels at 2 m, 3 are said to be at 9 m and 9 at 6 m.
+    depth[truth.kind == 1] = 6.0
+    depth[2:5, 2] = 9.0
+    found = solve["scoring"].scores(depth, truth)
+    assert found["rigid"].abs_rel == pytest.approx((3 * 3.5 + 9 * 2) / 12)
+    assert found["rigid shape"].abs_rel == pytest.approx(3 * 0.5 / 12)
 
 
 def test_sky_what_is_hidden_and_what_shows_no_parallax_are_not_scored(solve, pair):
