@@ -1,10 +1,14 @@
 """The scores as text: for a terminal, one table for each fit; for a README, one Markdown table."""
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
+from blind import BEST_CONSTANT, CONSTANT
 from scores import Fit, Result
 
 from flexdepth.runtime.errors import InputError
+
+_SHORT = MappingProxyType({Fit.DISPARITY: "disparity", Fit.MEDIAN: "median", Fit.METRES: "metres"})
 
 Edges = Mapping[str, Mapping[str, float]]
 """Boundary F1 by set, then by who predicted."""
@@ -29,18 +33,24 @@ def text(results: Mapping[str, Result], edges: Edges, models: Sequence[str]) -> 
 
 
 def markdown(results: Mapping[str, Result], edges: Edges, models: Sequence[str]) -> str:
-    """Return one table: sets down; across, those who predict under each fit."""
-    columns = [(fit, who) for fit in Fit for who in _whos(results, fit)]
-    head = ["AbsRel/delta1", "frames", *(f"{who}, {fit}" for fit, who in columns)]
-    head += [f"metres x, {who}" for who in models]
-    whos = list(next(iter(edges.values()))) if edges else []
-    head += [f"boundary F1, {who}" for who in whos]
+    """Return one table: sets down; across, those who predict under each fit.
+
+    The best constant, which needs no fit, stands there once, and the fitted one not at all.
+    """
+    whos = [who for who in _whos(results, Fit.DISPARITY) if who not in (CONSTANT, BEST_CONSTANT)]
+    columns = [(who, fit) for who in whos for fit in Fit if who in _whos(results, fit)]
+    head = ["AbsRel/delta1", "frames"]
+    head += [f"{who}, {_SHORT[fit]}" for who, fit in columns]
+    head += [BEST_CONSTANT, *(f"metres x, {who}" for who in models)]
+    sharp = list(next(iter(edges.values()))) if edges else []
+    head += [f"boundary F1, {who}" for who in sharp]
     rows = []
     for name, result in results.items():
         cells = [name, f"{result.frames - result.unscored}"]
-        cells += [str(result.scores[fit].get(who, "-")) for fit, who in columns]
+        cells += [str(result.scores[fit].get(who, "-")) for who, fit in columns]
+        cells += [str(result.scores[Fit.DISPARITY][BEST_CONSTANT])]
         cells += [_number(result.enlarged.get(who), "{:.2f}") for who in models]
-        cells += [_number(edges.get(name, {}).get(who), "{:.3f}") for who in whos]
+        cells += [_number(edges.get(name, {}).get(who), "{:.3f}") for who in sharp]
         rows.append(cells)
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)

@@ -103,12 +103,14 @@ def load(model: str | Path = _BUNDLED, lens: "Lens | None" = None) -> "Estimator
     Warns:
         UserWarning: The licence of its weights forbids commercial use.
     """
-    from flexdepth.runtime.licences import remark  # noqa: PLC0415 - see the top
-    from flexdepth.runtime.named import Wishes, named_estimator  # noqa: PLC0415
-    from flexdepth.runtime.predictor import Predictor  # noqa: PLC0415
-
     if model == _BUNDLED:
+        from flexdepth.runtime.predictor import Predictor  # noqa: PLC0415 - see the top
+
         return Predictor(_bundled(), lens)
+
+    from flexdepth.runtime.licences import remark  # noqa: PLC0415
+    from flexdepth.runtime.named import Wishes, named_estimator  # noqa: PLC0415
+
     found = named_estimator(model, Wishes(lens))
     if (said := remark(found.about)) is not None:
         warnings.warn(said, stacklevel=2)

@@ -177,6 +177,12 @@ def test_a_file_that_is_no_model_is_refused_by_name(content, said, tmp_path):
     assert said in refused
 
 
+def test_a_checkpoint_is_answered_with_the_command_that_makes_a_bundle_of_it(tmp_path):
+    path = tmp_path / "best.safetensors"
+    path.write_bytes(b"\x10\0\0\0\0\0\0\0{}              ")
+    assert f"make a bundle of the checkpoint first: flexdepth export {path}" in refusal(path)
+
+
 def test_a_truncated_bundle_is_refused(make_bundle):
     path = make_bundle()
     os.truncate(path, path.stat().st_size // 2)

@@ -164,11 +164,36 @@ def test_a_network_of_more_inputs_than_the_picture_is_refused(make_network):
         flexdepth.load(make_network(graph=graph))
 
 
-def test_a_network_that_cannot_take_the_card_s_size_is_refused_in_one_line(make_network):
-    graph = RED.replace("height, width] image", "5, 5] image")
+@pytest.mark.parametrize(
+    ("axes", "card", "said"),
+    [
+        ("1, 3, 5, 5", REST, r"`input.size`: wanted the network's own, \[5, 5\]"),
+        ("1, 3, 6, width", REST.replace("8, 6", "8, 5"), r"`input.size`: .* \[None, 6\]"),
+        ("1, 3, 6, 8", REST.replace("size: [8, 6]", "area: [8, 6], multiple: 2"), "`input.size`"),
+        ("1, 6, 8, 3", REST, "`input.layout`: nchw makes 6 colours"),
+        ("1, 3, 6, 8", REST.replace("[8, 6]", "[8, 6], layout: nhwc"), "nhwc makes 8 colours"),
+    ],
+)
+def test_a_card_that_does_not_fit_the_axes_is_refused_before_any_picture(
+    axes, card, said, make_network
+):
+    graph = RED.replace("1, 3, height, width] image", f"{axes}] image")
+    graph = graph.replace("[1, 1, height, width] z", "[a, b, c, d] z")
+    with pytest.raises(InputError, match=said):
+        flexdepth.load(make_network(card, graph))
+
+
+def test_a_network_that_fails_is_told_in_one_line(make_network):
+    # Six rows cannot be looked at as seven.
+    graph = RED.replace(
+        "z = Identity(red)",
+        "seven = Constant<value: tensor = int64[2] {7, 8}>()\n    z = Reshape(red, seven)",
+    )
+    graph = graph.replace("[1, 1, height, width] z", "[a, b] z")
     estimator = flexdepth.load(make_network(graph=graph))
-    with pytest.raises(InputError, match="cannot run at 8 x 6 pixels"):
+    with pytest.raises(InputError, match="cannot run at 8 x 6 pixels") as caught:
         estimator.predict(gray(6, 8, 9))
+    assert "\n" not in str(caught.value)
 
 
 def test_without_a_card_the_way_to_one_is_named(make_network):

@@ -51,7 +51,7 @@ def test_an_assumed_focal_length_is_said_with_its_angle(solution):
     camera = replace(solution.camera, focal_x=24.0, source=FocalSource.ASSUMED)
     views = replace(solution.views, camera=camera)
     (said,) = cautions(replace(solution, views=views))
-    assert "24 px is assumed (a view of 90 degrees)" in said
+    assert "24 px, a view of 90 degrees, is taken by assumption" in said
 
 
 def test_a_scale_that_cannot_be_seen_is_said(solution):
@@ -76,6 +76,13 @@ def test_there_are_words_for_whatever_a_scale_hangs_on_and_a_pixel_lacks(solutio
         there = replace(solution, found=replace(found, unknown=nothing))
         assert reason is Unknown.KNOWN or "100.0%" in summary(there)[1]
         assert solution_picture(there).size
+
+
+def test_motion_without_parts_is_told_by_its_share(solution, found):
+    one = replace(solution, found=replace(found, regions=found.regions[:1]))
+    assert summary(one)[-1] == "6.9% of the frame moves by itself, in no separate parts."
+    still = replace(found, regions=found.regions[:1], moving=np.zeros_like(found.moving))
+    assert summary(replace(solution, found=still))[-1].startswith("Nothing moves by itself")
 
 
 def test_many_movers_are_not_all_told(solution):

@@ -21,7 +21,7 @@ from torchvision.models.optical_flow import raft_large, raft_small
 from torchvision.models.optical_flow.raft import RAFT
 
 from flexdepth.networks.pretrained import read_weights
-from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.errors import InputError, reason
 
 _MULTIPLE, _LEAST = 8, 128
 """Pixels: the sides of what the network takes are multiples of 8, and at least 128."""
@@ -80,9 +80,8 @@ def _network(path: Path) -> RAFT:
     try:
         network.load_state_dict(weights)
     except RuntimeError as error:
-        reason = " ".join(str(error).split())[:200]
         raise InputError(
-            f"{path}: does not fit torchvision's {build.__name__}: {reason}"
+            f"{path}: does not fit torchvision's {build.__name__}: {reason(error)}"
         ) from error
     return network.eval()
 

@@ -40,7 +40,7 @@ from typing import Any
 import yaml
 
 from flexdepth.runtime.depthmap import Space
-from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.errors import InputError, reason
 from flexdepth.runtime.fields import (
     Field,
     checked,
@@ -174,8 +174,9 @@ def read_card(file: Path) -> Card:
     try:
         read: object = yaml.safe_load(text)
     except (yaml.YAMLError, UnicodeError, RecursionError) as error:
-        reason = " ".join(str(error).split())[:200]
-        raise InputError(f"{file}: wanted a YAML card of an ONNX network, got {reason}") from error
+        raise InputError(
+            f"{file}: wanted a YAML card of an ONNX network, got {reason(error)}"
+        ) from error
     top = checked(read, "", file, _TOP)
     given = checked(top["input"], "input.", file, _INPUT)
     scaled = checked(top["normalisation"], "normalisation.", file, _NORMALISATION)

@@ -1,7 +1,7 @@
 """A network of other people in an ONNX file, shown pictures as its card says."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -128,7 +128,7 @@ def carded_network(
             f"--long-side: {file} says that the network has one size, "
             f"{card.input.area[0]} x {card.input.area[1]}"
         )
-    inputs = {each.name: each.type for each in session.opened.get_inputs()}
+    inputs = {each.name: each for each in session.opened.get_inputs()}
     outputs = [each.name for each in session.opened.get_outputs()]
     if len(inputs) > 1:
         raise InputError(
@@ -136,12 +136,37 @@ def carded_network(
             f"{', '.join(inputs)}"
         )
     given = _named(card.input.name, list(inputs), "input", file)
-    if inputs[given] not in _NUMBERS:
+    if inputs[given].type not in _NUMBERS:
         raise InputError(
-            f"{session.path}: input `{given}`: wanted {' or '.join(_NUMBERS)}, got {inputs[given]}"
+            f"{session.path}: input `{given}`: wanted {' or '.join(_NUMBERS)}, got "
+            f"{inputs[given].type}"
         )
+    _check_shape(card, file, inputs[given].shape)
     found = _named(card.output.name, outputs, "output", file)
     return CardedNetwork(card, file, session, given, found, long_side)
+
+
+def _check_shape(card: Card, file: Path, shape: Sequence[int | str | None]) -> None:
+    """Refuse a card whose picture does not fit the axes of which the network fixes the length."""
+    if len(shape) != 4:
+        raise InputError(f"{file}: `input.name`: wanted an input of four axes, got {list(shape)}")
+    channels, height, width = (
+        shape[1:] if card.input.layout is Layout.NCHW else (shape[3], *shape[1:3])
+    )
+    if isinstance(channels, int) and channels != 3:
+        raise InputError(
+            f"{file}: `input.layout`: {card.input.layout} makes {channels} colours of the "
+            f"network's axes {list(shape)}"
+        )
+    fixed = [side if isinstance(side, int) else None for side in (width, height)]
+    if card.input.multiple is None:
+        fits = all(side in (None, own) for side, own in zip(fixed, card.input.area, strict=True))
+    else:
+        fits = fixed == [None, None]
+    if not fits:
+        raise InputError(
+            f"{file}: `input.size`: wanted the network's own, {fixed} (width, height; None is free)"
+        )
 
 
 def _named(name: str, there: list[str], what: str, file: Path) -> str:

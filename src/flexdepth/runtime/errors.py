@@ -15,6 +15,9 @@ def one_line(message: str) -> str:
     return "".join(each if each.isprintable() else ascii(each)[1:-1] for each in message)
 
 
-def reason(error: BaseException | str) -> str:
-    """Return what an exception of a library says, on one line; its kind where it says nothing."""
-    return " ".join(str(error).split()) or type(error).__name__
+def reason(error: object) -> str:
+    """Return what an exception or a warning of a library says on one line, cut at 200 letters.
+
+    One that says nothing is named by its kind.
+    """
+    return " ".join(str(error).split())[:200] or type(error).__name__

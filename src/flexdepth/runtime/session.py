@@ -17,7 +17,7 @@ import onnxruntime as ort
 from numpy.typing import NDArray
 from onnxruntime.capi import onnxruntime_pybind11_state as ort_errors
 
-from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.errors import InputError, reason
 from flexdepth.runtime.onnx_file import names_other_files
 from flexdepth.runtime.opening import open_input
 
@@ -100,7 +100,7 @@ class Session:
         except _FAILURES as error:
             raise InputError(
                 f"{self.path}: the model cannot run at {size[0]} x {size[1]} pixels: "
-                f"{_in_one_line(error)}; a smaller --long-side may help"
+                f"{reason(error)}; a smaller --long-side may help"
             ) from error
         return found
 
@@ -133,9 +133,12 @@ def _refuse_other_files(file: Path, content: bytes) -> None:
     try:
         elsewhere = names_other_files(content)
     except ValueError as error:
-        raise InputError(
-            f"{file}: wanted an ONNX model, got {error}; --model takes an .onnx bundle"
-        ) from error
+        todo = (
+            f"make a bundle of the checkpoint first: flexdepth export {file} -o own.onnx"
+            if file.suffix == ".safetensors"
+            else "--model takes an .onnx bundle"
+        )
+        raise InputError(f"{file}: wanted an ONNX model, got {error}; {todo}") from error
     if elsewhere:
         raise InputError(
             f"{file}: the model keeps weights in other files, which a bundle must not; save it as "
@@ -162,7 +165,7 @@ def _opened(
         )
     except _FAILURES as error:
         raise InputError(
-            f"{file}: onnxruntime cannot open the model on {provider}: {_in_one_line(error)}"
+            f"{file}: onnxruntime cannot open the model on {provider}: {reason(error)}"
         ) from error
     if engine.name not in session.get_providers():
         raise InputError(
@@ -170,7 +173,3 @@ def _opened(
             f"use --provider cpu"
         )
     return session
-
-
-def _in_one_line(error: Exception) -> str:
-    return " ".join(str(error).split())[:200]

@@ -40,8 +40,10 @@ def flowers(rng: Generator) -> Scene:
     make: Make = sunflower if tall else daisy
     base = landscape(rng)
     reach = 14.0 if tall else 5.0
-    spots = rng.uniform(-reach, reach, (int(rng.integers(80, 260)), 3)) * (1, 0, 1)
-    spots = spots[np.hypot(spots[:, 0], spots[:, 2]) > (0.8 if tall else 0.25)]
+    count = int(rng.integers(100, 320))
+    away, yaw = reach * rng.random(count) ** 0.8, rng.uniform(0, 2 * np.pi, count)
+    spots = np.stack([away * np.sin(yaw), 0 * yaw, away * np.cos(yaw)], 1)
+    spots = spots[away > (0.8 if tall else 0.25)]
     parts = bed(rng, make, spots, 4)
     blades = rng.uniform(-reach, reach, (int(rng.integers(0, 5000)), 3)) * (0.6, 0, 0.6)
     if len(blades):

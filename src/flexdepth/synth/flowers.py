@@ -23,8 +23,8 @@ def _vivid(rng: Generator) -> Material:
 
 def _petal(length: float, width: float, rise: float, curl: float) -> Mesh:
     """Return a petal or a leaf that grows from the origin along z, rises, and curls down."""
-    s = np.linspace(0, 1, 7)[:, None]
-    t = np.linspace(-1, 1, 5)[None]
+    s = np.linspace(0, 1, 5)[:, None]
+    t = np.linspace(-1, 1, 3)[None]
     wide = width * np.sin(np.pi * np.clip(s, 0.02, 1) ** 0.75) ** 0.8 / 2 + 0.02 * width
     x = t * wide
     y = length * (rise * s - curl * s**2) + 0.25 * wide * t**2
@@ -41,7 +41,7 @@ def _head(rng: Generator, radius: float, count: int) -> tuple[Mesh, Mesh]:
         one = _petal(radius - 0.7 * core, width, rise + rng.normal(0, 0.08), curl)
         yaw = 2 * np.pi * k / count + rng.normal(0, 0.08)
         petals.append(one.placed((0.7 * core * np.sin(yaw), 0, 0.7 * core * np.cos(yaw)), yaw))
-    middle = blob(rng, (2 * core, core * rng.uniform(0.4, 1.2), 2 * core), 0.06, 9)
+    middle = blob(rng, (2 * core, core * rng.uniform(0.4, 1.2), 2 * core), 0.06, 7)
     return joined(petals), middle.placed((0, 0.1 * core, 0))
 
 

@@ -15,6 +15,7 @@ from flexdepth.synth.outdoor_things import fence, pole
 from flexdepth.synth.scene import Scene
 from flexdepth.synth.shapes import Array, Mesh, draped, quad
 from flexdepth.synth.skies import Weather, weather
+from flexdepth.synth.stock import stocked
 from flexdepth.synth.terrain import Terrain
 from flexdepth.synth.trees import far_tree, shrub, tree
 from flexdepth.synth.viewpoints import ON_FOOT
@@ -191,37 +192,50 @@ def _terrain(rng: Generator, land: Land) -> Terrain:
 def _surface(rng: Generator, land: Land, ground: Terrain) -> Parts:
     """Return the land's surface in patches of several materials, and the water."""
     looks = [material(rng, str(rng.choice(land.ground))) for _ in range(2)]
+    patches = _patches(rng)
     beyond = [material(rng, str(rng.choice(land.afar))) for _ in range(3)]
-    middle = float(rng.uniform(30, 150))
+    near, middle = rng.uniform((8, 40), (20, 150))
     parts: Parts = []
-    for mesh, kinds in (
-        (ground.mesh(0.0, middle), looks),
-        (ground.mesh(middle, _FAR), beyond),
+    # The same ground is seen with ever larger patterns, lest one repeats a hundred times.
+    for mesh, kinds, grown in (
+        (ground.mesh(0.0, near), looks, 1.0),
+        (ground.mesh(near, middle), looks, rng.uniform(3, 6)),
+        (ground.mesh(middle, _FAR), beyond, rng.uniform(8, 20)),
     ):
-        label = _patches(rng, mesh, len(kinds))
-        parts += [
-            Part(Mesh(mesh.corners[label == k], mesh.uv[label == k]), kind)
-            for k, kind in enumerate(kinds)
-            if (label == k).any()
-        ]
+        label = patches(mesh)
+        for number in np.unique(label):
+            own = label == number
+            look = kinds[int(number) % len(kinds)]
+            size = look.size[0] * grown, look.size[1] * grown
+            parts.append(Part(Mesh(mesh.corners[own], mesh.uv[own]), replace(look, size=size)))
     if ground.basin[3]:
         sea = quad((-_FAR, -0.45, -_FAR), (2 * _FAR, 0, 0), (0, 0, 2 * _FAR))
         parts.append(Part(sea, material(rng, "lake")))
     return parts
 
 
-def _patches(rng: Generator, mesh: Mesh, count: int) -> Array:
-    """Return which of `count` kinds each triangle is of: islands, or fields with straight edges."""
-    x, z = mesh.corners[:, :, [0, 2]].mean(1).T
+def _patches(rng: Generator) -> Callable[[Mesh], Array]:
+    """Return a map of what the ground is: islands, or fields with straight edges."""
     if rng.random() < 0.3:
         yaw, wide = rng.uniform(0, 3.2), rng.uniform(15, 120)
-        along, across = x * np.cos(yaw) + z * np.sin(yaw), z * np.cos(yaw) - x * np.sin(yaw)
-        return np.asarray((np.floor(along / wide) * 7 + np.floor(across / wide / 2) * 3) % count)
-    level = np.zeros(len(x))
-    for length in rng.uniform(8, 200, 5):
-        yaw = rng.uniform(0, 6.3)
-        level += np.sin((x * np.cos(yaw) + z * np.sin(yaw)) * 6.3 / length + rng.uniform(0, 6.3))
-    return np.asarray(np.clip(np.floor((level / 5 + rng.uniform(0.2, 0.7)) * count), 0, count - 1))
+
+        def fields(mesh: Mesh) -> Array:
+            x, z = mesh.corners[:, :, [0, 2]].mean(1).T
+            along, across = x * np.cos(yaw) + z * np.sin(yaw), z * np.cos(yaw) - x * np.sin(yaw)
+            return np.asarray((np.floor(along / wide) * 7 + np.floor(across / wide / 2) * 3) % 6)
+
+        return fields
+    yaws, phases = rng.uniform(0, 6.3, (2, 5))
+    numbers = 6.3 / rng.uniform(8, 200, 5)
+    level = rng.uniform(0.2, 0.7)
+
+    def islands(mesh: Mesh) -> Array:
+        x, z = mesh.corners[:, :, [0, 2]].mean(1).T
+        place = x[:, None] * np.cos(yaws) + z[:, None] * np.sin(yaws)
+        noise = np.sin(place * numbers + phases).mean(1)
+        return np.asarray(np.clip(np.floor((noise + level) * 3), 0, 2))
+
+    return islands
 
 
 def _growing(rng: Generator, land: Land, ground: Terrain) -> Parts:
@@ -261,10 +275,12 @@ def _standing(rng: Generator, land: Land, ground: Terrain) -> Parts:
     """Return what stands within sixty metres, and farther off where it is large."""
     parts: Parts = []
     for often, make in land.near:
-        # Nobody stands inside a house.
-        reach = (30.0, 180.0) if make is barn else (2.5, 60.0)
+        # Nobody stands inside a house, or in a crown.
+        nearest = 30.0 if make is barn else 5.0 if make is tree else 2.5
+        reach = nearest, 180.0 if make is barn else 60.0
+        several = stocked(make, 6)
         for at in _dry(ground, ground.spots(rng, int(rng.poisson(often)), reach)):
-            parts += placed(make(rng), tuple(at), rng.uniform(0, 6.3))
+            parts += placed(several(rng), tuple(at), rng.uniform(0, 6.3))
     return parts
 
 

@@ -94,9 +94,9 @@ def _smooth(
 
 def _shares(weights: Array) -> NDArray[np.uint8]:
     """Return the shares of three colours where the second replaces the first, then the third."""
-    second, third = np.moveaxis(255 * weights, -1, 0)
-    rest = 1 - third / 255
-    return np.stack([(255 - second) * rest, second * rest, third], -1).round().astype(np.uint8)
+    second, third = np.moveaxis(weights, -1, 0)
+    some, other = (255 * second * (1 - third)).round(), (255 * third).round()
+    return np.stack([255 - some - other, some, other], -1).clip(0, 255).astype(np.uint8)
 
 
 def _hung(colours: Array) -> NDArray[np.uint8]:

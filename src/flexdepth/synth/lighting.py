@@ -10,7 +10,7 @@ from flexdepth.synth.skylight import Dome
 from flexdepth.synth.stage import Array, Hits, Stage, dot, unit
 
 AMBIENT_RAYS = 2
-SHADOW_RAYS = 3
+SHADOW_RAYS = 2
 _SOFTNESS = 0.15
 """Square metres added to a lamp's square distance: no lamp is a point."""
 
@@ -156,11 +156,11 @@ def _falling(hits: Hits, path: Array) -> Array:
 def _from_sun(rng: Generator, stage: Stage, hits: Hits, sun: Sun) -> Array:
     """Return the irradiance from the sun, with shadows as soft as half a degree makes them."""
     total = np.zeros(len(hits.ray), np.float32)
-    for _ in range(SHADOW_RAYS - 1):
+    for _ in range(SHADOW_RAYS):
         path = (sun.towards + rng.normal(0, 0.01, hits.point.shape)).astype(np.float32)
         free = stage.tracer.run(hits.point, path, query="OCCLUDED") < 0
         total += np.where(free, np.maximum(dot(hits.shading, path), 0), 0)
-    return (total[:, None] / (SHADOW_RAYS - 1) * sun.power).astype(np.float32)
+    return (total[:, None] / SHADOW_RAYS * sun.power).astype(np.float32)
 
 
 def _from_beam(stage: Stage, hits: Hits, beam: Beam) -> Array:

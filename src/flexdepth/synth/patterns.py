@@ -181,10 +181,66 @@ def keys(rng: Generator) -> Array:
     return _pair(gap, (np.abs(x - 0.4) < 0.08) & (np.abs(y - 0.4) < 0.12))
 
 
+def turf(rng: Generator) -> Array:
+    """Grass, needles and straw from above: strokes over strokes, dark between them."""
+    canvas = np.zeros((SIZE, SIZE), np.uint8)
+    length, slant = rng.uniform(6, 26), rng.uniform(0, np.pi)
+    spread, count = rng.uniform(0.3, 1.6), int(4500 / length)
+    for shade in np.linspace(30, 255, 8):
+        start = rng.uniform(0, SIZE, (count, 2))
+        angle = slant + rng.normal(0, spread, count)
+        end = start + length * np.stack([np.cos(angle), np.sin(angle)], 1)
+        for shift in _AROUND:
+            strokes = np.stack([start + shift, end + shift], 1).round().astype(np.int32)
+            cv2.polylines(canvas, list(strokes), False, int(shade), 1, cv2.LINE_AA)
+    return _pair(canvas / 255, 0.6 * fractal(rng, 1.2))
+
+
+def foliage(rng: Generator) -> Array:
+    """Leaves beside and above one another, with light and dark ones and gaps."""
+    canvas = np.zeros((SIZE, SIZE), np.uint8)
+    size = rng.uniform(4, 15)
+    for shade in np.linspace(25, 255, 8):
+        for x, y, turn in rng.uniform(0, (SIZE, SIZE, 180), (int(4000 / size**1.6) + 8, 3)):
+            tone = int(shade * rng.uniform(0.6, 1))
+            axes = (int(size * rng.uniform(0.7, 1.2)), int(max(1, size * rng.uniform(0.25, 0.5))))
+            for right, down in _AROUND:
+                middle = (int(x + right), int(y + down))
+                cv2.ellipse(canvas, middle, axes, float(turn), 0, 360, tone, -1, cv2.LINE_AA)
+    return _pair(canvas / 255, 0.4 * fractal(rng, 0.8))
+
+
+def pebbles(rng: Generator) -> Array:
+    """Stones of all sizes with dark joints: gravel, cobbles, dry earth, rubble."""
+    count = int(np.exp(rng.uniform(np.log(40), np.log(900))))
+    place = rng.uniform(0, 1, (count, 2))
+    shade = rng.random(count)
+    tiled = np.concatenate([place + shift for shift in _AROUND / SIZE])
+    seeds = np.full((3 * SIZE, 3 * SIZE), 255, np.uint8)
+    column, row = ((tiled + 1) * SIZE).astype(int).T
+    inside = (column >= 0) & (row >= 0) & (column < 3 * SIZE) & (row < 3 * SIZE)
+    seeds[row[inside], column[inside]] = 0
+    distance, label = cv2.distanceTransformWithLabels(
+        seeds, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    middle = slice(SIZE, 2 * SIZE)
+    number, rim = label[middle, middle], distance[middle, middle]
+    tone = np.zeros(int(label.max()) + 1)
+    tone[label[row[inside], column[inside]]] = np.tile(shade, len(_AROUND))[inside]
+    edge = cv2.morphologyEx(number.astype(np.float32), cv2.MORPH_GRADIENT, np.ones((2, 2))) > 0
+    bulge = rim / max(float(rim.max()), 1)
+    return _pair(np.clip(tone[number] - 0.5 * bulge, 0, 1), 0.8 * edge + 0.2 * fractal(rng, 0.5))
+
+
+_AROUND = SIZE * np.array([(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)])
+"""Shifts by a whole period, so that what is drawn across a border comes in at the other side."""
+
+
 PATTERNS: dict[str, Callable[[Generator], Array]] = {
     maker.__name__: maker
     for maker in (
         plain, mottled, speckled, spots, checks, stripes, bricks,
         tiles, wood, collage, print_lines, windows, panels, weave, doors, keys,
+        turf, foliage, pebbles,
     )
 }  # fmt: skip

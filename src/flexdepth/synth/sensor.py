@@ -51,7 +51,9 @@ class Sensor:
         deviation = np.sqrt(self.shot * np.clip(light, 0, 1) + self.read**2)
         raw = 0.7 * rng.standard_normal(light.shape, np.float32)
         raw += 0.7 * rng.standard_normal((*light.shape[:2], 1), np.float32)
-        fine = np.asarray(cv2.GaussianBlur(raw, (0, 0), self.grain) * (1 + 2 * self.grain))
+        # What blurring white noise leaves of its spread.
+        kept = np.float32((cv2.getGaussianKernel(9, self.grain) ** 2).sum())
+        fine = np.asarray(cv2.GaussianBlur(raw, (0, 0), self.grain)) / kept
         if self.blotch:
             height, width = light.shape[:2]
             small = rng.standard_normal((height // 4 + 1, width // 4 + 1, 3), np.float32)

@@ -18,7 +18,7 @@ Array = NDArray[np.float32]
 OFFSET = 2e-3
 """Metres by which a secondary ray starts off its surface, so that it does not hit it."""
 
-_CREASE = 0.8
+_CREASE = 0.85
 """Faces whose normals have at least this cosine with their corner's mean are shaded as one."""
 
 
@@ -149,9 +149,9 @@ def smooth_normals(meshes: Sequence[Mesh]) -> Array:
     place = np.round(corners.reshape(-1, 3) * 5e4).astype(np.int64)
     key = place @ np.array([73856093, 19349663, 83492791]) + owner * 2654435761
     _, vertex = np.unique(key, return_inverse=True)
-    spread = np.repeat(flat, 3, axis=0)
-    sums = np.stack([np.bincount(vertex, weights=axis) for axis in spread.T], 1)
-    mean, own = unit(sums[vertex].astype(np.float32)), unit(spread.astype(np.float32))
+    own = np.repeat(unit(flat.astype(np.float32)), 3, axis=0)
+    sums = np.stack([np.bincount(vertex, weights=axis) for axis in own.T], 1)
+    mean = unit(sums[vertex].astype(np.float32))
     same = dot(mean, own)[:, None] > _CREASE
     return np.where(same, mean, own).reshape(-1, 3, 3).astype(np.float32)
 

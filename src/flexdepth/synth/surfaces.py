@@ -24,7 +24,7 @@ class Kind:
     saturation: float = 0.6
     bright: tuple[float, float] = (0.04, 0.8)
     gloss: tuple[float, float] = (0.02, 0.06)
-    rough: tuple[float, float] = (0.01, 0.1)
+    rough: tuple[float, float] = (0.003, 0.05)
     shiny: float = 0.3
 
 
@@ -64,7 +64,7 @@ KINDS: dict[str, Kind] = {
         0.4,
         (0.04, 0.6),
         (0.02, 0.08),
-        (0.01, 0.12),
+        (0.002, 0.03),
         0.6,
     ),
     "wood": Kind(("wood", "wood", "wood", "plain"), 0.35, (0.3, 1.2), 0.5, (0.03, 0.7), shiny=0.5),
@@ -155,7 +155,7 @@ KINDS: dict[str, Kind] = {
         0.3,
         (0.01, 0.7),
         (0.03, 0.1),
-        (0.005, 0.08),
+        (0.002, 0.04),
         0.9,
     ),
     "splash": Kind(
@@ -197,9 +197,9 @@ class Nature:
 
 NATURE: dict[str, Nature] = {
     "asphalt": Nature(("speckled", "mottled"), (0.13, 0.13, 0.14), (1.0, 4.0)),
-    "pavement": Nature(("tiles", "bricks", "speckled"), (0.3, 0.28, 0.26), (0.8, 3.0)),
-    "grass": Nature(("speckled", "mottled"), (0.12, 0.2, 0.05), (0.5, 4.0)),
-    "leaf": Nature(("speckled", "mottled"), (0.08, 0.16, 0.04), (0.3, 1.5)),
+    "pavement": Nature(("tiles", "bricks", "speckled", "pebbles"), (0.3, 0.28, 0.26), (0.8, 3.0)),
+    "grass": Nature(("turf", "turf", "speckled", "foliage"), (0.12, 0.2, 0.05), (0.5, 4.0)),
+    "leaf": Nature(("foliage", "foliage", "speckled", "mottled"), (0.08, 0.16, 0.04), (0.3, 1.5)),
     "bark": Nature(("mottled", "wood"), (0.14, 0.1, 0.07), (0.3, 1.0)),
     "skin": Nature(("plain",), (0.5, 0.33, 0.25), (0.3, 0.6)),
     "roof": Nature(("tiles", "bricks", "stripes"), (0.25, 0.12, 0.09), (1.0, 3.0)),
@@ -210,15 +210,15 @@ NATURE: dict[str, Nature] = {
     "coffee": Nature(("plain",), (0.03, 0.012, 0.006), (0.1, 0.2), 0.04, 0.005),
     "food": Nature(("speckled", "mottled", "spots"), (0.4, 0.22, 0.1), (0.04, 0.2)),
     "water": Nature(("plain",), (0.03, 0.05, 0.05), (0.3, 0.6), 0.05, 0.02),
-    "soil": Nature(("mottled", "speckled", "spots"), (0.16, 0.11, 0.075), (0.6, 4.0)),
+    "soil": Nature(("pebbles", "mottled", "speckled", "spots"), (0.16, 0.11, 0.075), (0.6, 4.0)),
     "sand": Nature(("mottled", "speckled", "plain"), (0.45, 0.36, 0.24), (0.6, 4.0)),
-    "gravel": Nature(("speckled", "spots"), (0.3, 0.28, 0.25), (0.3, 1.5)),
+    "gravel": Nature(("pebbles", "pebbles", "speckled"), (0.3, 0.28, 0.25), (0.3, 1.5)),
     "snow": Nature(("plain", "mottled"), (0.82, 0.84, 0.88), (1.0, 5.0)),
-    "rock": Nature(("mottled", "spots", "speckled"), (0.25, 0.23, 0.21), (0.8, 6.0)),
-    "straw": Nature(("speckled", "wood", "mottled"), (0.42, 0.3, 0.11), (0.3, 2.0)),
-    "wood far": Nature(("speckled", "spots"), (0.05, 0.09, 0.035), (8.0, 40.0)),
-    "autumn": Nature(("speckled", "mottled"), (0.3, 0.14, 0.03), (0.3, 1.5)),
-    "blossom": Nature(("speckled", "plain"), (0.6, 0.4, 0.45), (0.3, 1.0)),
+    "rock": Nature(("pebbles", "mottled", "mottled", "speckled"), (0.25, 0.23, 0.21), (0.8, 6.0)),
+    "straw": Nature(("turf", "turf", "wood", "speckled"), (0.42, 0.3, 0.11), (0.3, 2.0)),
+    "wood far": Nature(("foliage", "foliage", "speckled"), (0.05, 0.09, 0.035), (8.0, 40.0)),
+    "autumn": Nature(("foliage", "foliage", "speckled"), (0.3, 0.14, 0.03), (0.3, 1.5)),
+    "blossom": Nature(("foliage", "speckled"), (0.6, 0.4, 0.45), (0.3, 1.0)),
     "lake": Nature(("mottled", "plain"), (0.02, 0.045, 0.05), (3.0, 12.0), 0.03, 0.0, 0.03),
     "wet road": Nature(("speckled", "mottled"), (0.07, 0.07, 0.075), (1.0, 4.0), 0.025, 0.03),
 }

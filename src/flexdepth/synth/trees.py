@@ -12,6 +12,7 @@ from flexdepth.synth.shapes import (
     blob,
     joined,
     leaves,
+    leaves_at,
     revolved,
     rods,
     surface,
@@ -35,7 +36,7 @@ def broadleaf(rng: Generator) -> Parts:
     top = np.array([lean[0], stem, lean[1]])
     wood = [tube((0, -0.3, 0), top, (0.028 * height, 0.02 * height))]
     green = []
-    leaf = float(rng.uniform(0.015, 0.04)) * height
+    leaf = float(min(rng.uniform(0.015, 0.04) * height, 0.25))
     for _ in range(int(rng.integers(7, 16))):
         way = rng.normal(size=3)
         way /= np.linalg.norm(way)
@@ -43,7 +44,7 @@ def broadleaf(rng: Generator) -> Parts:
         tip = middle + way * (wide, 0.5 * (height - stem), wide) * rng.uniform(0.45, 0.9)
         wood.append(tube(top, tip, (0.012 * height, 0.004 * height), 5))
         size = np.array([1, rng.uniform(0.55, 0.9), 1]) * height * rng.uniform(0.12, 0.28)
-        green.append(leaves(rng, size * 1.15, int(rng.integers(90, 200)), leaf).placed(tip))
+        green.append(leaves(rng, size * 1.15, int(rng.integers(120, 280)), leaf).placed(tip))
         green.append(blob(rng, 0.72 * size, 0.2, 7).placed(tip))
     bark = material(rng, "bark")
     return [Part(joined(wood), bark), Part(joined(green), foliage(rng))]
@@ -53,19 +54,18 @@ def conifer(rng: Generator) -> Parts:
     """A spruce or a pine: a cone of drooping whorls with ragged edges."""
     height = float(rng.uniform(4, 20))
     foot, wide = height * rng.uniform(0.03, 0.25), height * rng.uniform(0.13, 0.25)
-    whorls = int(rng.integers(7, 14))
-    meshes = []
-    for level in np.linspace(0, 1, whorls):
+    meshes, spots = [], []
+    for level in np.linspace(0, 1, int(rng.integers(12, 24))):
         y = foot + (height - foot) * level
-        radius = wide * (1.04 - level) * rng.uniform(0.85, 1.1)
-        drop = radius * rng.uniform(0.3, 0.7)
-        angle = np.linspace(0, 2 * np.pi, 19)
-        ragged = radius * rng.uniform(0.6, 1.15, 19)
+        radius = wide * (1.04 - level) * rng.uniform(0.8, 1.1)
+        angle = np.linspace(0, 2 * np.pi, 14)
+        ragged = radius * rng.uniform(0.5, 1.15, 14)
         ragged[-1] = ragged[0]
-        rim = np.stack([ragged * np.cos(angle), 0 * angle - drop, ragged * np.sin(angle)], 1)
-        inner = 0.12 * rim + np.array([0, 0.12 * radius, 0])
-        whorl = surface(np.stack([inner, 0.55 * rim + inner / 2, rim]))
-        meshes.append(whorl.placed((0, y, 0)))
+        rim = np.stack([ragged * np.cos(angle), -0.45 * ragged, ragged * np.sin(angle)], 1)
+        inner = 0.1 * rim + np.array([0, 0.25 * radius, 0])
+        meshes.append(surface(np.stack([inner, rim]) + np.array([0, y, 0])))
+        spots.append(rim[:-1] * rng.uniform(0.5, 1.05, (13, 1)) + np.array([0, y, 0]))
+    meshes.append(leaves_at(rng, np.concatenate(spots * 3), min(0.05 * height, 0.4)))
     trunk = tube((0, -0.3, 0), (0, 0.97 * height, 0), (0.02 * height, 0.004 * height))
     dark = material(rng, "leaf")
     dark = Material(dark.pattern, dark.colours * rng.uniform(0.35, 0.9), dark.size)
@@ -138,9 +138,10 @@ def shrub(rng: Generator) -> Parts:
     """A bush that is leaves all through, some with flowers."""
     size = rng.uniform((0.5, 0.4, 0.5), (2.8, 2.2, 2.8))
     middle = (0, 0.45 * size[1], 0)
-    leaf = float(rng.uniform(0.05, 0.16))
-    green = leaves(rng, size, int(rng.integers(250, 800)), leaf)
-    core = blob(rng, 0.72 * size, 0.2, 9)
+    leaf = float(rng.uniform(0.035, 0.12))
+    count = int(rng.uniform(0.4, 1.2) * min(2200, 1.5 * size[0] * size[1] / leaf**2) + 150)
+    green = leaves(rng, size, count, leaf)
+    core = blob(rng, 0.62 * size, 0.35, 9)
     parts = [Part(joined([green, core]).placed(middle), foliage(rng))]
     if rng.random() < 0.3:
         blooms = leaves(rng, 1.05 * size, int(rng.integers(30, 150)), leaf)

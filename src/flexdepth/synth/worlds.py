@@ -10,6 +10,7 @@ from numpy.random import Generator
 
 from flexdepth.synth.close_ups import close_up, flowers, hoop
 from flexdepth.synth.landscapes import landscape
+from flexdepth.synth.open_places import car_park, park, square
 from flexdepth.synth.rooms import cellar, cookery, corridor, home, office, shop
 from flexdepth.synth.scene import Scene
 from flexdepth.synth.streets import street
@@ -27,11 +28,14 @@ INDOORS: tuple[tuple[float, Make], ...] = (
 """Kinds of scenes under a roof, each with its share; only the shares' ratios count."""
 
 OUTDOORS: tuple[tuple[float, Make], ...] = (
-    (0.46, street),
-    (0.32, landscape),
-    (0.09, flowers),
-    (0.11, close_up),
-    (0.02, hoop),
+    (0.4, street),
+    (0.24, landscape),
+    (0.1, park),
+    (0.07, square),
+    (0.03, car_park),
+    (0.07, flowers),
+    (0.08, close_up),
+    (0.01, hoop),
 )
 """Kinds of scenes under the sky, likewise."""
 
