@@ -16,9 +16,10 @@ from flexdepth.synth.motion import Motion
 from flexdepth.synth.placing import Surroundings
 from flexdepth.synth.render import render
 from flexdepth.synth.shapes import Array
+from flexdepth.synth.streaks import streaked
 from flexdepth.synth.takes import Take, composed, owners
 
-SEQUENCE_VERSION = 1
+SEQUENCE_VERSION = 2
 """Raised when the same (seed, index) no longer gives the same sequence."""
 
 _TRIES = 30
@@ -51,6 +52,7 @@ PAIRS = SequenceSettings(
         rigid=(1, 1),
         flexible=(1, 1),
         feet=2 / 3,
+        shutter=(0.0, 0.0),
     ),
 )
 """Small frames with one mover that is rigid and one that bends, to measure two-frame depth on.
@@ -121,7 +123,8 @@ def filmed(shot: Take, seed: int, index: int) -> Iterator[SequenceFrame]:
 
     Three frames' geometry is held at a time, whatever the length.
     """
-    film = Film.drawn(np.random.default_rng([seed, 5, index]))
+    camera_rng = np.random.default_rng([seed, 5, index])
+    film, shutter = Film.drawn(camera_rng), camera_rng.uniform(*shot.motion.shutter)
     before: tuple[Camera, Moment] | None = None
     now = _seen(shot, 0)
     for k in range(shot.motion.frames):
@@ -131,17 +134,30 @@ def filmed(shot: Take, seed: int, index: int) -> Iterator[SequenceFrame]:
         weather = np.random.default_rng([seed, 7, index])
         seen = render(rng, moment.stage, camera.view, shot.width, shot.height, weather)
         shape = shot.height, shot.width
+        forward = None if after is None else correspondence(now, after[:2])
+        backward = None if before is None else correspondence(now, before)
+        depth = sight.depth.reshape(shape)
+        light = streaked(seen.light, depth, _flow(forward, backward, shape), shutter)
         yield SequenceFrame(
-            picture=film.picture(rng, seen.light),
-            depth=sight.depth.reshape(shape),
+            picture=film.picture(rng, light),
+            depth=depth,
             mover=(owners(shot.play, sight) + 1).astype(np.uint8).reshape(shape),
             camera=camera,
-            forward=None if after is None else correspondence(now, after[:2]),
-            backward=None if before is None else correspondence(now, before),
+            forward=forward,
+            backward=backward,
         )
         before = now[:2]
         if after is not None:
             now = after
+
+
+def _flow(
+    forward: Correspondence | None, backward: Correspondence | None, shape: tuple[int, int]
+) -> Array:
+    """Return how far points go until the next frame; in the last, as since the one before."""
+    if forward is not None:
+        return forward.flow
+    return np.zeros((*shape, 2)) if backward is None else -backward.flow
 
 
 def _seen(shot: Take, frame: int) -> tuple[Camera, Moment, Sight]:
