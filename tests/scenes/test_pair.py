@@ -4,15 +4,16 @@ import numpy as np
 import pytest
 
 from flexdepth.flow.field import FlowField, given
-from flexdepth.runtime.depthmap import FocalSource, Intrinsics, Space
+from flexdepth.runtime.depthmap import DepthMap, FocalSource, Intrinsics, Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.lens import FocalLength
 from flexdepth.scenes import pair as scene
 from flexdepth.scenes.correspondence import FlowFile
 from flexdepth.scenes.objective import Objective
 from flexdepth.scenes.origin import origin
-from flexdepth.scenes.pair import PairSettings, single_image_depth, solve
+from flexdepth.scenes.pair import PairSettings, solve
 from flexdepth.scenes.views import ViewFiles
+from flexdepth.scenes.words import cautions
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,8 @@ def test_depth_of_the_key_frame_alone_is_the_prior(settings, asked, monkeypatch)
 
     def alone(model, picture, camera):
         asked_of.append((model, picture.shape, camera.focal_x))
-        return single_image_depth("compact", picture, camera)
+        depth = np.full(picture.shape[:2], 2, np.float32)
+        return DepthMap(depth, Space.METRIC, camera, "seer 1.0"), ()
 
     monkeypatch.setattr(scene, "single_image_depth", alone)
     solution = solve(replace(settings, prior="compact"))
@@ -98,14 +100,25 @@ def test_depth_of_the_key_frame_alone_is_the_prior(settings, asked, monkeypatch)
     assert seen.prior.metric
     assert (seen.prior.spread > 0).all()
     np.testing.assert_array_equal(seen.prior.depth, solution.prior.depth)
-    assert "compact" in solution.depth.model
+    assert "seer 1.0" in solution.depth.model
 
 
-def test_an_assumed_focal_length_gives_no_metres():
-    picture = np.full((60, 80, 3), 120, np.uint8)
-    for source, space in ((FocalSource.GIVEN, Space.METRIC), (FocalSource.ASSUMED, Space.SCALE)):
-        camera = Intrinsics(70.0, 70.0, 40.0, 30.0, source)
-        assert single_image_depth("compact", picture, camera).space is space
+@pytest.mark.parametrize("said", [FocalSource.GIVEN, FocalSource.ASSUMED])
+def test_a_focal_length_that_only_the_model_sees_is_taken_if_nobody_says_it(
+    said, settings, asked, monkeypatch
+):
+    model_sees = Intrinsics(99.0, 99.0, 80.0, 60.0, FocalSource.PREDICTED)
+    depth = DepthMap(np.ones((120, 160), np.float32), Space.SCALE, model_sees, "far seer 1.0")
+    monkeypatch.setattr(scene, "single_image_depth", lambda *_: (depth, ("a licence",)))
+    known = settings.camera if said is FocalSource.GIVEN else None
+    solution = solve(replace(settings, prior="far seer", camera=known))
+    assert asked[0].camera.focal_x == (140.0 if known else 99.0)
+    assert "a licence" in solution.warnings
+    if known is None:
+        assert any(
+            "99 px, a view of 78 degrees, is taken as far seer 1.0" in line
+            for line in cautions(solution)
+        )
 
 
 def test_another_picture_than_the_target_is_named_where_it_cannot_be_matched(settings, files):

@@ -51,7 +51,7 @@ def test_an_assumed_focal_length_is_said_with_its_angle(solution):
     camera = replace(solution.camera, focal_x=24.0, source=FocalSource.ASSUMED)
     views = replace(solution.views, camera=camera)
     (said,) = cautions(replace(solution, views=views))
-    assert "24 px is assumed (a view of 90 degrees)" in said
+    assert "24 px, a view of 90 degrees, is taken by assumption" in said
 
 
 def test_a_scale_that_cannot_be_seen_is_said(solution):

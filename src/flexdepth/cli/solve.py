@@ -21,7 +21,8 @@ from flexdepth.scenes.correspondence import FILE_NOISE, FlowFile, FlowMethod, Ra
 from flexdepth.scenes.files import all_made, products, write_solution
 from flexdepth.scenes.objective import Objective
 from flexdepth.scenes.origin import origin
-from flexdepth.scenes.pair import BUNDLED, LONG_SIDE, PairSettings, solve
+from flexdepth.scenes.pair import LONG_SIDE, PairSettings, solve
+from flexdepth.scenes.prior import BUNDLED
 from flexdepth.scenes.views import ViewFiles
 
 _Flag = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(help_behavior_hint="")]
@@ -64,7 +65,8 @@ class Solve:
     flow_noise: Annotated[float, tyro.conf.arg(metavar="PIXELS")] = FILE_NOISE
     """How far the flow in --flow errs (one standard deviation)."""
     prior: Annotated[str, tyro.conf.arg(metavar="MODEL|none")] = BUNDLED
-    """Model whose depth of KEY alone helps where two frames do not tell; none: geometry alone."""
+    """Model whose depth of KEY alone helps where two frames do not tell, named as for predict;
+    none: geometry alone."""
     third: _Frame = None
     """One more frame, such as the one before KEY: shows what TARGET hides."""
     stereo: Annotated[Path | None, tyro.conf.arg(metavar="RIGHT", help_behavior_hint="")] = None

@@ -3,10 +3,10 @@
 from importlib.metadata import version
 from pathlib import Path
 
-import flexdepth
 from flexdepth.runtime.origin import Origin, digest
 from flexdepth.scenes.correspondence import FlowFile, FlowMethod, RaftFlow
 from flexdepth.scenes.pair import PairSettings
+from flexdepth.scenes.prior import opened
 
 
 def origin(settings: PairSettings) -> Origin:
@@ -23,7 +23,7 @@ def origin(settings: PairSettings) -> Origin:
         "flow": _flow(settings.flow),
         "prior": "none"
         if settings.prior is None
-        else f"sha256:{flexdepth.load(settings.prior).about.digest}",
+        else f"sha256:{opened(settings.prior).about.digest}",
         "baseline": str(settings.baseline),
         "objective": str(settings.objective),
         "long_side": str(settings.long_side),

@@ -1,34 +1,26 @@
 """Two frames to depth and motion: read, matched, seen singly, solved."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-import flexdepth
 from flexdepth.flow.dis import Dis
 from flexdepth.flow.field import FlowField
 from flexdepth.runtime.depthmap import DepthMap, FocalSource, Intrinsics, Space
 from flexdepth.runtime.errors import InputError
-from flexdepth.runtime.images import Photo
-from flexdepth.runtime.lens import FocalLength, Lens
+from flexdepth.runtime.lens import Lens
 from flexdepth.scenes.correspondence import FlowFile, FlowMethod
 from flexdepth.scenes.objective import Objective, solved
+from flexdepth.scenes.prior import BUNDLED, as_prior, single_image_depth
 from flexdepth.scenes.stereo import right_view
 from flexdepth.scenes.views import Picture, ViewFiles, Views, read_views
-from flexdepth.solvers.two_frame import Prior, Seen, ThirdFrame, TwoFrame
-
-BUNDLED = "compact"
-"""The model that comes with flexdepth."""
+from flexdepth.solvers.two_frame import Seen, Stereo, ThirdFrame, TwoFrame
 
 LONG_SIDE = 1280
 """Pixels: larger frames are made so small, for time and memory grow with their area."""
-
-_PRIOR_SPREAD = 0.15
-"""Relative standard deviation of single-image depth, beyond one common factor, where the model does
-not say it: between what the bundled one was off by on KITTI (.096) and on NYU (.185)."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +32,7 @@ class PairSettings:
         camera: What is known of it: a length, an angle or a file; None leaves it to the photos.
         flow: How key and target are matched; a third frame and the right picture too, unless it
             is a file, which is of key and target alone.
-        prior: "compact", an .onnx bundle, or None for geometry alone.
+        prior: A model by its name (`runtime.named`), or None for geometry alone.
         baseline: Metres between the key picture and that of the right camera.
         objective: What is minimised.
         long_side: Pixels; larger frames are made so small.
@@ -103,7 +95,8 @@ class Solution:
     def depth(self) -> DepthMap:
         """Metric where metres are known, else in units of the camera's way; NaN where unknown."""
         space = Space.METRIC if self.found.metric else Space.SCALE
-        return DepthMap(self.found.depth.astype(np.float32), space, self.camera, self.model)
+        spread = np.where(self.found.valid, self.found.spread, np.nan).astype(np.float32)
+        return DepthMap(self.found.depth.astype(np.float32), space, self.camera, self.model, spread)
 
     @property
     def confidence(self) -> NDArray[np.float32]:
@@ -131,51 +124,64 @@ def solve(settings: PairSettings, say: Callable[[str], None] = lambda _step: Non
     if isinstance(method, FlowFile):
         method, others = replace(method, reduced=views.reduced), Dis()
     flow = method.between(pictures["key"], pictures["target"])
-    third = stereo = None
-    if "third" in pictures:
-        say("matching the third frame")
-        other = _named("the third frame", others, pictures["key"], pictures["third"])
-        third = ThirdFrame(other.flow, other.noise)
-    notes: tuple[str, ...] = ()
-    if settings.baseline is not None:
-        say("matching the right camera's picture")
-        other = _named("the right picture", others, pictures["key"], pictures["right"])
-        stereo, notes = right_view(other, settings.baseline, str(settings.files.right))
-    prior = None
+    prior, licence = None, tuple[str, ...]()
     if settings.prior is not None and not settings.objective.is_the_dissertations:
         say("looking at the key frame alone")
-        prior = single_image_depth(settings.prior, pictures["key"], views.camera)
+        prior, licence = single_image_depth(settings.prior, pictures["key"], views.camera)
+        views = _own_camera(views, prior)
+    more = _more_views(settings, pictures, others, say)
+    seen = Seen(
+        flow.flow,
+        flow.noise,
+        views.camera,
+        pictures["key"],
+        None if prior is None else as_prior(prior),
+        more.third,
+        more.stereo,
+    )
     say("solving")
-    seen = Seen(flow.flow, flow.noise, views.camera, pictures["key"], _prior(prior), third, stereo)
     found = solved(settings.objective, seen, pictures["key"], pictures["target"])
     model = f"flexdepth solve ({settings.objective})"
     if prior is not None:
         model += f", {prior.model}"
-    return Solution(views, flow, prior, found, model, (*views.warnings, *notes))
+    notes = (*views.warnings, *more.notes, *licence)
+    return Solution(views, flow, prior, found, model, notes)
 
 
-def single_image_depth(model: str | Path, picture: Picture, camera: Intrinsics) -> DepthMap:
-    """Return what a model makes of the key frame alone.
+@dataclass(frozen=True, eq=False)
+class _More:
+    """What is known beside key and target, and what is odd about it."""
 
-    Args:
-        model: "compact" or a bundle.
-        picture: RGB.
-        camera: Its camera; an assumed focal length gives no metres.
-
-    Raises:
-        InputError: There is no such model, or it fails.
-    """
-    known = camera.source is not FocalSource.ASSUMED
-    lens = FocalLength(float(np.sqrt(camera.focal_x * camera.focal_y))) if known else None
-    return flexdepth.load(model, lens).predict(Photo(picture, None, ()))
+    third: ThirdFrame | None
+    stereo: Stereo | None
+    notes: tuple[str, ...]
 
 
-def _prior(depth: DepthMap | None) -> Prior | None:
-    if depth is None:
-        return None
-    said = np.full(depth.values.shape, np.nan) if depth.spread is None else depth.spread
-    spread = np.where(np.isfinite(said), said, _PRIOR_SPREAD).astype(np.float32)
-    return Prior(depth.depth, spread, depth.space is Space.METRIC)
+def _more_views(
+    settings: PairSettings,
+    pictures: Mapping[str, Picture],
+    method: FlowMethod,
+    say: Callable[[str], None],
+) -> _More:
+    third = stereo = None
+    notes: tuple[str, ...] = ()
+    if "third" in pictures:
+        say("matching the third frame")
+        other = _named("the third frame", method, pictures["key"], pictures["third"])
+        third = ThirdFrame(other.flow, other.noise)
+    if settings.baseline is not None:
+        say("matching the right camera's picture")
+        other = _named("the right picture", method, pictures["key"], pictures["right"])
+        stereo, notes = right_view(other, settings.baseline, str(settings.files.right))
+    return _More(third, stereo, notes)
+
+
+def _own_camera(views: Views, prior: DepthMap | None) -> Views:
+    """Return the views with the camera that the model sees in the key frame, if nobody knows it."""
+    seen = None if prior is None else prior.intrinsics
+    if views.camera.source.is_known or seen is None or seen.source is not FocalSource.PREDICTED:
+        return views
+    return replace(views, camera=seen)
 
 
 def _named(name: str, method: FlowMethod, key: Picture, other: Picture) -> FlowField:

@@ -117,23 +117,29 @@ def summary(solution: Solution, most: int = 6) -> list[str]:
     ]
 
 
+def _unknown_focal(solution: Solution) -> str:
+    camera, whence = solution.camera, "by assumption"
+    view = 2 * degrees(atan(solution.views.size[0] / 2 / camera.focal_x))
+    if camera.source is FocalSource.PREDICTED and solution.prior is not None:
+        whence = f"as {solution.prior.model} sees it in the key frame"
+    return (
+        f"the focal length is not known; {camera.focal_x:.0f} px, a view of {view:.0f} degrees, is "
+        f"taken {whence}: angles and shapes hang on it; --focal, --fov or --camera says it"
+    )
+
+
 def cautions(solution: Solution) -> list[str]:
     """Return what a user should know before trusting the result, one line each."""
     found, camera = solution.found, solution.camera
     lines = list(solution.warnings)
-    if camera.source is FocalSource.ASSUMED:
-        width, _ = solution.views.size
-        view = 2 * degrees(atan(width / 2 / camera.focal_x))
-        lines.append(
-            f"the focal length is not known, {camera.focal_x:.0f} px is assumed (a view of "
-            f"{view:.0f} degrees): angles and shapes hang on it; --focal, --fov or --camera says it"
-        )
+    if not camera.source.is_known:
+        lines.append(_unknown_focal(solution))
     motion = found.camera_motion
     if not motion.translates:
         what = "has stood still" if motion.kind is MotionKind.STILL else "has only turned"
         lines.append(
             f"the camera {what}, as far as the frames tell: they show no depth of what is still"
-            + (", what there is comes from the key frame alone" if solution.prior else "")
+            + (", what there is comes from the key frame alone" if found.valid.any() else "")
         )
     if motion.inliers < 0.5:
         lines.append(

@@ -69,7 +69,7 @@ def moving_regions(
     share = np.bincount(labels[trusted], behind[trusted], minlength=count) / np.maximum(pixels, 1)
     surprise = np.where(share > _BEHIND, 2 * _STRONG, middle / strays)
     surprise[pixels < 3] = 0.0
-    pairs = neighbours(labels, flow, max(0.7, 3 * float(np.median(noise[trusted]))))
+    pairs = neighbours(labels, flow, smoothness(noise[trusted]))
     moves = _grown(surprise, pairs)
     return Moving(_objects(labels, moves, pairs, pixels), strays)
 
@@ -121,6 +121,26 @@ def _objects(labels: Labels, moves: Mask, pairs: Neighbours, pixels: Array) -> L
     number = np.zeros(len(moves), np.int32)
     number[order] = np.arange(1, len(order) + 1)
     return np.asarray(np.where(moves, number[roots], 0)[labels], np.int32)
+
+
+def connected(labels: Labels, inside: Mask, flow: Array, smooth: float) -> Labels:
+    """Return the larger connected parts of a mask of whole pieces, parted where the flow jumps.
+
+    Args:
+        labels: Pieces of the frame.
+        inside: Which of them count.
+        flow: Height x width x 2, pixels, finite.
+        smooth: Pixels; a smaller change of flow is no jump.
+    """
+    count = int(labels.max()) + 1
+    pixels = np.bincount(labels.ravel(), minlength=count).astype(np.float64)
+    counts = np.bincount(labels[inside], minlength=count) > 0.5 * pixels
+    return _objects(labels, counts, neighbours(labels, flow, smooth), pixels)
+
+
+def smoothness(noise: Array) -> float:
+    """Return up to how many pixels a change of flow is no jump."""
+    return max(0.7, 3 * float(np.median(noise)))
 
 
 def _root(parent: NDArray[np.intp], at: int) -> int:

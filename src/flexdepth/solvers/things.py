@@ -91,7 +91,7 @@ def things(labels: Labels, sight: Sight, camera: Pose, floor: float) -> tuple[La
         if (sight.trusted & (labels == label)).sum() >= 12
     }
     labels = np.where(np.isin(labels, list(motions)), labels, 0).astype(np.int32)
-    labels, motions = _same_motion(labels, motions, sight, (camera, floor))
+    labels, motions = _renumbered(*_same_motion(labels, motions, sight, (camera, floor)))
     groups = _touching(labels, motions)
     found = []
     for group in groups:
@@ -135,6 +135,15 @@ def _same_motion(
         if joined:
             motions[label] = region_motion(sight.pixels(labels == label), camera, floor)
     return labels, motions
+
+
+def _renumbered(
+    labels: Labels, motions: dict[int, RegionMotion]
+) -> tuple[Labels, dict[int, RegionMotion]]:
+    """Return the same with numbers that leave none out."""
+    number = np.zeros(int(labels.max()) + 1, np.int32)
+    number[sorted(motions)] = np.arange(1, len(motions) + 1)
+    return number[labels], {int(number[each]): motions[each] for each in sorted(motions)}
 
 
 def _touching(labels: Labels, motions: dict[int, RegionMotion]) -> list[list[int]]:

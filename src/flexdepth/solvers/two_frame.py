@@ -5,12 +5,14 @@ The camera's own motion comes first; what does not move as it says are regions o
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from flexdepth.solvers.answer import Evidence, Kind, Region, TwoFrame, Unknown
+from flexdepth.solvers.dense import Dense, refined_world
+from flexdepth.solvers.prior import with_prior
+from flexdepth.solvers.region_solver import solved_regions
 from flexdepth.solvers.seen import Prior, Seen, Stereo, ThirdFrame
-from flexdepth.solvers.state import answer, solved_regions
+from flexdepth.solvers.stereo import with_stereo
+from flexdepth.solvers.third import with_third
+from flexdepth.solvers.verdict import answer
 
 __all__ = [
     "Dense",
@@ -27,18 +29,8 @@ __all__ = [
     "two_frame",
 ]
 
-Array = NDArray[np.float64]
 
-
-@dataclass(frozen=True)
-class Dense:
-    """Refinement of depth and motion at every pixel.
-
-    Attributes:
-        steps: Gauss-Newton steps at the finest level.
-    """
-
-    steps: int = 6
+_DENSE = Dense()
 
 
 @dataclass(frozen=True)
@@ -50,7 +42,7 @@ class TwoFrameSettings:
         clear: How many standard deviations of parallax make a depth.
     """
 
-    dense: Dense | None = Dense()
+    dense: Dense | None = _DENSE
     clear: float = 2.0
 
 
@@ -60,4 +52,13 @@ def two_frame(seen: Seen, settings: TwoFrameSettings = TwoFrameSettings()) -> Tw
     Raises:
         InputError: Fewer than 16 pixels have flow that is to be trusted.
     """
-    return answer(solved_regions(seen, settings.clear), seen, settings.clear)
+    world = solved_regions(seen, settings.clear)
+    if settings.dense is not None:
+        world = refined_world(world, settings.dense)
+    if seen.third is not None:
+        world = with_third(world, seen, seen.third)
+    if seen.stereo is not None:
+        world = with_stereo(world, seen, seen.stereo)
+    if seen.prior is not None:
+        world = with_prior(world, seen, seen.prior)
+    return answer(world, seen, settings.clear)

@@ -1,0 +1,123 @@
+"""The world as a few regions with a motion each."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdepth.solvers.answer import Evidence, Kind, Region
+from flexdepth.solvers.borders import border, surroundings
+from flexdepth.solvers.correspondences import Correspondences, from_flow
+from flexdepth.solvers.ego_motion import CameraMotion, camera_motion
+from flexdepth.solvers.epipolar import Epipolar
+from flexdepth.solvers.ground import ground
+from flexdepth.solvers.least_squares import refined
+from flexdepth.solvers.ordering import Still, with_sunk
+from flexdepth.solvers.pieces import Labels, pieces
+from flexdepth.solvers.regions import filled, moving_regions, smoothness
+from flexdepth.solvers.relative_scale import Clues, Scale, relative_scale
+from flexdepth.solvers.seen import Seen
+from flexdepth.solvers.things import Sight, Thing, middle_motion, scaled, things, wobble
+from flexdepth.solvers.two_view import Along
+from flexdepth.solvers.world import World, along_of, sight_of
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_PULLS = 3.0
+"""Standard deviations at which a pixel stops pulling at the camera's motion."""
+
+
+def solved_regions(seen: Seen, clear: float) -> World:
+    """Return the world as a few regions.
+
+    Camera and moving regions are found in turn, twice: the first camera counts what moves as
+    outliers, the second leaves it out, and the plane, if it was one, does no longer bind it.
+
+    Args:
+        seen: The two frames.
+        clear: Standard deviations of parallax that make a depth.
+    """
+    sight = sight_of(seen)
+    trusted = seen.trusted
+    camera = camera_motion(from_flow(seen.flow, trusted, seen.noise, seen.camera))
+    along = along_of(sight, camera)
+    cut = pieces(sight.flow, along.across, float(np.median(sight.noise[trusted])), seen.image)
+    moving = moving_regions(cut, sight.flow, along, sight.noise, trusted)
+    still = trusted & (moving.labels == 0)
+    if moving.labels.any() and still.sum() > 0.2 * trusted.sum():
+        camera = _refined(camera, from_flow(seen.flow, still, seen.noise, seen.camera))
+        along = along_of(sight, camera)
+        moving = moving_regions(cut, sight.flow, along, sight.noise, trusted)
+    smooth = smoothness(sight.noise[trusted])
+    all_moving = with_sunk(Still(cut, moving.labels, along, smooth), sight)
+    labels, found = things(filled(all_moving, trusted), sight, camera.pose, moving.strays)
+    return _scaled_world(sight, camera, along, (labels, found, clear))
+
+
+def _refined(camera: CameraMotion, still: Correspondences) -> CameraMotion:
+    """Return the camera's motion at what is still: nothing that moves pulls at it any more."""
+    if not camera.translates:
+        return camera
+    epipolar = Epipolar(*still.rays(), still.focal, still.noise * camera.noise_factor)
+    return replace(camera, pose=refined(epipolar, camera.pose, _PULLS))
+
+
+def _scaled_world(
+    sight: Sight,
+    camera: CameraMotion,
+    along: Along,
+    regions: tuple[Labels, list[Thing], float],
+) -> World:
+    labels, found, clear = regions
+    noise = sight.noise * camera.noise_factor
+    static = sight.trusted & (labels == 0)
+    static &= (along.parallax > clear * noise) & (along.inverse_depth > 0)
+    inverse = np.where(labels == 0, along.inverse_depth, np.nan)
+    spread = np.where(static, along.spread * noise, np.inf)
+    around = surroundings(np.where(static, inverse, 0.0), static, sight.flow, sight.trusted)
+    floor = ground(sight.key, along.inverse_depth, static)
+    typical = float(np.log(np.median(inverse[static]))) if static.any() else 0.0
+    count = int(labels.max()) + 1
+    rotation = np.broadcast_to(camera.pose.rotation, (count, 3, 3)).copy()
+    translation = np.broadcast_to(camera.pose.translation, (count, 3)).copy()
+    told = [Region(0, Kind.STATIC, Evidence.CAMERA, 1.0, 0.0, int((labels == 0).sum()))] * count
+    for thing in found:
+        own = _own_inverse_depth(labels, thing, sight.trusted)
+        inside = np.isin(labels, thing.labels) & sight.trusted
+        counts = np.array([(labels == each).sum() for each in thing.labels], np.float64)
+        middles = np.array([sight.key[labels == each].mean(axis=0) for each in thing.labels])
+        scale = relative_scale(
+            Clues(
+                thing.kind,
+                border(inside, own, around),
+                middle_motion(thing, counts, middles, camera.pose),
+                wobble(thing, sight, labels, camera.pose),
+                camera.pose.rotation.T @ camera.pose.translation,
+                floor,
+                typical,
+            )
+        )
+        for label, motion in zip(thing.labels, thing.motions, strict=True):
+            at = (labels == label) & sight.trusted
+            nearer = scaled(motion, scale.value)
+            inverse[at] = nearer.inverse_depth
+            spread[at] = motion.spread
+            rotation[label] = nearer.pose.rotation
+            translation[label] = nearer.pose.translation
+            told[label] = _region(label, motion.kind, scale, int((labels == label).sum()))
+    return World(
+        sight, camera, labels, tuple(told), inverse, spread, rotation[labels], translation[labels]
+    )
+
+
+def _region(label: int, kind: Kind, scale: Scale, pixels: int) -> Region:
+    return Region(label, kind, scale.evidence, scale.confidence, scale.spread, pixels)
+
+
+def _own_inverse_depth(labels: Labels, thing: Thing, trusted: Mask) -> Array:
+    own = np.zeros(labels.shape)
+    for label, motion in zip(thing.labels, thing.motions, strict=True):
+        own[labels == label] = 1.0
+        own[(labels == label) & trusted] = motion.inverse_depth
+    return own
