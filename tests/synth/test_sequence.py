@@ -70,14 +70,6 @@ def test_besides_the_movers_flow_is_the_cameras(frames):
         assert np.abs(way.flow - flow)[known].max() < 1e-7
 
 
-def test_a_shutter_that_stays_open_blurs_the_picture_and_nothing_else(shot, frames):
-    open_longer = replace(shot, motion=replace(ASKED, frames=3, shutter=(0.5, 0.5)))
-    blurred = next(filmed(open_longer, WORLD.seed, 0))
-    assert (blurred.picture != frames[0].picture).any()
-    assert (blurred.depth == frames[0].depth).all()
-    assert np.array_equal(blurred.forward.flow, frames[0].forward.flow, equal_nan=True)
-
-
 def test_the_same_number_is_the_same_picture_and_another_is_another(shot, frames):
     again, other = (next(filmed(shot, WORLD.seed, index)) for index in (0, 1))
     assert (again.picture == frames[0].picture).all()

@@ -23,8 +23,8 @@ class Motion:
         flexible: Least and most number of movers that bend.
         feet: Share of the movers that stand, walk or roll on the ground and whose contact with it
             is seen in the first frame; the others are in the air.
-        shutter: Least and most share of the time between two frames that the shutter is open:
-            motion blur.
+        shutter: Share of the time between two frames during which the shutter is open, and what
+            moves is blurred; 0 freezes it.
     """
 
     frames: int = 1
@@ -35,22 +35,23 @@ class Motion:
     rigid: tuple[int, int] = (0, 2)
     flexible: tuple[int, int] = (0, 2)
     feet: float = 2 / 3
-    shutter: tuple[float, float] = (0.0, 0.5)
+    shutter: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse what cannot be filmed."""
-        spans = (self.moving, self.rigid, self.flexible, self.parallax or (0, 0), self.shutter)
-        shares = max(self.moving[1], self.shutter[1])
-        if any(not 0 <= low <= high for low, high in spans) or shares > 1:
+        spans = (self.moving, self.rigid, self.flexible, self.parallax or (0, 0))
+        if any(not 0 <= low <= high for low, high in spans) or self.moving[1] > 1:
             raise InputError(
-                f"moving, rigid, flexible, parallax and shutter each go from a least to a most, "
-                f"from 0 up, and moving and shutter are shares; got {self}"
+                f"moving, rigid, flexible and parallax each go from a least to a most, from 0 up, "
+                f"and moving is a share of the picture; got {self}"
             )
         if self.frames < 1 or self.rate <= 0 or not 0 <= self.feet <= 1:
             raise InputError(
                 f"a sequence has >= 1 frames, a rate > 0 and a share of feet from 0 to 1, "
                 f"got {self}"
             )
+        if not 0 <= self.shutter <= 1:
+            raise InputError(f"a shutter is open for a share from 0 to 1, got {self.shutter:g}")
         if self.focal is not None and self.focal <= 0:
             raise InputError(f"a focal length is more than 0 pixels, got {self.focal:g}")
 

@@ -14,9 +14,9 @@ from flexdepth.synth.lens import Film
 from flexdepth.synth.moments import Moment, Sight
 from flexdepth.synth.motion import Motion
 from flexdepth.synth.placing import Surroundings
-from flexdepth.synth.render import render
+from flexdepth.synth.render import Rendering, render
 from flexdepth.synth.shapes import Array
-from flexdepth.synth.streaks import streaked
+from flexdepth.synth.shutter import smeared
 from flexdepth.synth.takes import Take, composed, owners
 
 SEQUENCE_VERSION = 2
@@ -52,7 +52,6 @@ PAIRS = SequenceSettings(
         rigid=(1, 1),
         flexible=(1, 1),
         feet=2 / 3,
-        shutter=(0.0, 0.0),
     ),
 )
 """Small frames with one mover that is rigid and one that bends, to measure two-frame depth on.
@@ -123,8 +122,7 @@ def filmed(shot: Take, seed: int, index: int) -> Iterator[SequenceFrame]:
 
     Three frames' geometry is held at a time, whatever the length.
     """
-    camera_rng = np.random.default_rng([seed, 5, index])
-    film, shutter = Film.drawn(camera_rng), camera_rng.uniform(*shot.motion.shutter)
+    film = Film.drawn(np.random.default_rng([seed, 5, index]))
     before: tuple[Camera, Moment] | None = None
     now = _seen(shot, 0)
     for k in range(shot.motion.frames):
@@ -136,11 +134,10 @@ def filmed(shot: Take, seed: int, index: int) -> Iterator[SequenceFrame]:
         shape = shot.height, shot.width
         forward = None if after is None else correspondence(now, after[:2])
         backward = None if before is None else correspondence(now, before)
-        depth = sight.depth.reshape(shape)
-        light = streaked(seen.light, depth, _flow(forward, backward, shape), shutter)
+        light = _exposed(seen, forward, backward, shot.motion.shutter)
         yield SequenceFrame(
             picture=film.picture(rng, light),
-            depth=depth,
+            depth=sight.depth.reshape(shape),
             mover=(owners(shot.play, sight) + 1).astype(np.uint8).reshape(shape),
             camera=camera,
             forward=forward,
@@ -151,13 +148,22 @@ def filmed(shot: Take, seed: int, index: int) -> Iterator[SequenceFrame]:
             now = after
 
 
-def _flow(
-    forward: Correspondence | None, backward: Correspondence | None, shape: tuple[int, int]
-) -> Array:
-    """Return how far points go until the next frame; in the last, as since the one before."""
+def _exposed(
+    seen: Rendering,
+    forward: Correspondence | None,
+    backward: Correspondence | None,
+    share: float,
+) -> NDArray[np.float32]:
+    """Return the light of a frame while its shutter is open; the last frame's motion goes on."""
+    if share == 0:
+        return seen.light
     if forward is not None:
-        return forward.flow
-    return np.zeros((*shape, 2)) if backward is None else -backward.flow
+        flow = forward.flow
+    elif backward is not None:
+        flow = -backward.flow
+    else:
+        return seen.light
+    return smeared(seen.light, seen.depth, flow.astype(np.float32), share)
 
 
 def _seen(shot: Take, frame: int) -> tuple[Camera, Moment, Sight]:
