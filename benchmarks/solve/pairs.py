@@ -16,8 +16,8 @@ from flexdepth.synth.motion import Motion
 from flexdepth.synth.sequence import SEQUENCE_VERSION, SequenceSettings, filmed, take
 
 HERE = Path(__file__).parent
-KEPT = HERE.parents[1] / "build" / "solve-suite"
 SYNTH = f"{VERSION}.{SEQUENCE_VERSION}"
+KEPT = HERE.parents[1] / "build" / "solve-suite" / SYNTH
 SAID_OF_EXACT = 0.01
 """Pixels: a solver must be told some noise."""
 
@@ -80,17 +80,17 @@ def settings(said: dict[str, Any], name: str, seed: int) -> SequenceSettings:
     return SequenceSettings(SynthSettings(seed=seed, width=width, height=height), motion)
 
 
-def pair(said: dict[str, Any], name: str, seed: int) -> Pair:
-    """Return a pair of the suite; what has been rendered before is read."""
-    path = KEPT / SYNTH / f"{name}-{seed:04d}.npz"
+def pair(said: dict[str, Any], name: str, seed: int, kept: Path = KEPT) -> Pair:
+    """Return a pair of the suite; what has been rendered before is read from where it is kept."""
+    path = kept / f"{name}-{seed:04d}.npz"
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         found = rendered(settings(said, name, seed))
         unfinished = path.with_suffix(".part.npz")
         np.savez_compressed(unfinished, **{f.name: getattr(found, f.name) for f in fields(Pair)})
         unfinished.replace(path)
-    with np.load(path) as kept:
-        return Pair(**{field.name: kept[field.name] for field in fields(Pair)})
+    with np.load(path) as read:
+        return Pair(**{field.name: read[field.name] for field in fields(Pair)})
 
 
 def rendered(wanted: SequenceSettings) -> Pair:

@@ -1,7 +1,7 @@
 """The ways to depth that the table compares: each takes what is seen of a pair, gives a depth."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -15,7 +15,7 @@ from flexdepth.flow.matches import Akaze
 from flexdepth.runtime.depthmap import DepthMap
 from flexdepth.runtime.lens import FocalLength
 from flexdepth.solvers.correspondences import from_flow, pixel_centres, rays
-from flexdepth.solvers.dissertation import Form
+from flexdepth.solvers.dissertation import TABLE_5_1, Form
 from flexdepth.solvers.ego_motion import camera_motion
 from flexdepth.solvers.first_order import Clues, FirstOrder, first_order
 from flexdepth.solvers.pose import Pose
@@ -107,12 +107,20 @@ def _triangulated(seen: Seen, pose: Pose) -> Array:
     return depth
 
 
-def dissertation(form: Form, *, told: bool) -> Row:
-    """Return chapter 5's objective in a form; `told` begins at the camera's true motion."""
+def dissertation(form: Form, *, told: bool = False, without: Sequence[str] = ()) -> Row:
+    """Return chapter 5's objective.
+
+    Args:
+        form: As written, or corrected.
+        told: Whether all pixels begin with the camera's true motion.
+        without: Terms that weigh nothing.
+    """
+    weights = replace(TABLE_5_1, **dict.fromkeys(without, 0.0))
 
     def row(given: Case) -> Array:
         matches = Akaze().between(given.truth.key, given.truth.target)
-        settings = FirstOrder(form=form, start=given.pose if told else None)
+        start = given.pose if told else None
+        settings = FirstOrder(form=form, weights=weights, start=start)
         return first_order(given.seen, settings, Clues(matches.key, matches.target)).depth
 
     return row
@@ -149,15 +157,29 @@ ROWS: Mapping[str, Row] = {
     "constant depth": constant,
     "essential matrix": essential,
     "essential, refined": refined,
-    "dissertation, as written": dissertation(Form.AS_WRITTEN, told=False),
+    "dissertation, as written": dissertation(Form.AS_WRITTEN),
     "as written, true motion": dissertation(Form.AS_WRITTEN, told=True),
-    "dissertation, corrected": dissertation(Form.CORRECTED, told=False),
+    "dissertation, corrected": dissertation(Form.CORRECTED),
     "corrected, true motion": dissertation(Form.CORRECTED, told=True),
     "regions": regions,
     "dense": dense,
     "prior alone": prior_alone,
     "dense with prior": with_prior,
 }
+
+BOTH = ("motion_boundaries", "synchrony")
+ABLATION: Mapping[str, Row] = {
+    f"{form}, {name}": dissertation(form, without=without)
+    for form in Form
+    for name, without in {
+        "complete": (),
+        "no borders": BOTH[:1],
+        "no synchrony": BOTH[1:],
+        "neither": BOTH,
+    }.items()
+}
+"""Table 5.3 with a row that has both terms: the objective with and without its two innovations."""
+
 FULL = "dense"
 BASELINE = "essential matrix"
 

@@ -1,22 +1,24 @@
 """Depth from two frames of a moving world: all methods on the pinned pairs, in one table.
 
     python benchmarks/solve/two_frames.py [--flow NAME]... [--only ROW]... [--without ROW]...
-                                          [--pairs N] [--json FILE] [--strict]
+                                          [--pairs N] [--ablation] [--kept DIR]
+                                          [--json FILE] [--strict]
 
 `suite.yaml` says which pairs and which bars, `scoring.py` how depth is scored. A name may be cut
 short: `--flow exact --only dense --pairs 3`. Pairs are rendered on the first run (minutes) and kept
-in build/solve-suite. `speed_of_solving.py` measures time against size.
+in build/solve-suite. `speed_of_solving.py` measures time against size;
+--ablation takes the two innovations of chapter 5 out of its objective.
 """
 
 import argparse
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from statistics import median
 
-from pairs import SYNTH, pair, suite
-from rows import ROWS, case, timed
+from pairs import KEPT, SYNTH, pair, suite
+from rows import ABLATION, ROWS, Row, case, timed
 from scoring import mean, scores
 from table import Line, record, text, verdicts
 
@@ -40,19 +42,20 @@ def chosen(names: Sequence[str], asked: Sequence[str] | None, what: str) -> list
     return [name for name in names if name in found]
 
 
-def lines(flow: str, rows: Sequence[str], pairs: int | None) -> Iterator[Line]:
+def lines(flow: str, rows: Mapping[str, Row], pairs: int | None, kept: Path) -> Iterator[Line]:
     """Yield each row's line for one kind of flow, once all its pairs are done."""
     said = suite()
     one = said["flow"][flow]
     seeds = said[one["set"]]["seeds"][:pairs]
-    cases = [case(pair(said, one["set"], seed), seed, one.get("noise")) for seed in seeds]
-    for name in rows:
-        results = [timed(ROWS[name], each) for each in cases]
+    cases = [case(pair(said, one["set"], seed, kept), seed, one.get("noise")) for seed in seeds]
+    for name, row in rows.items():
+        results = [timed(row, each) for each in cases]
         found = [scores(r.depth, each.truth) for r, each in zip(results, cases, strict=True)]
         yield Line(
             flow,
             name,
-            len(cases),
+            tuple(seeds),
+            tuple(found),
             mean(found),
             median(result.seconds for result in results),
             median(result.cpu for result in results),
@@ -65,23 +68,27 @@ def main() -> int:
     parser.add_argument("--flow", action="append", help="exact, noise .05, noise .10, DIS")
     parser.add_argument("--only", action="append", help="a row; may be given again")
     parser.add_argument("--without", action="append", default=[], help="rows to leave out")
+    parser.add_argument("--ablation", action="store_true", help="chapter 5's table 5.3 instead")
     parser.add_argument("--pairs", type=int, help="the first N pairs alone")
+    parser.add_argument("--kept", type=Path, default=KEPT, help="where rendered pairs are")
     parser.add_argument("--json", type=Path, help="write the figures here too")
     parser.add_argument("--strict", action="store_true")
     asked = parser.parse_args()
     said = suite()
     try:
         flows = chosen(list(said["flow"]), asked.flow, "flow")
-        out = chosen(list(ROWS), asked.without, "row")
-        rows = [name for name in chosen(list(ROWS), asked.only, "row") if name not in out]
+        offered = ABLATION if asked.ablation else ROWS
+        out = chosen(list(offered), asked.without, "row")
+        names = [name for name in chosen(list(offered), asked.only, "row") if name not in out]
+        asked_rows = {name: offered[name] for name in names}
     except InputError as error:
         print(error, file=sys.stderr)
         return 2
     if said["synth"] != SYNTH:
-        print(f"synth is {SYNTH}; the bars were set with {said['synth']}", file=sys.stderr)
+        print(f"synth renders {SYNTH}, the suite is {said['synth']}: other pairs", file=sys.stderr)
     measured: list[Line] = []
     for flow in flows:
-        for line in lines(flow, rows, asked.pairs):
+        for line in lines(flow, asked_rows, asked.pairs, asked.kept):
             measured.append(line)
             print(f"{flow}: {line.row}, {line.cpu:.2f} s of CPU a pair", file=sys.stderr)
             if asked.json is not None:  # What is done is kept, should the rest take too long.

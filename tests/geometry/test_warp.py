@@ -112,6 +112,19 @@ def test_the_written_motion_does_not_go_with_the_written_essential_matrix():
     assert right.abs().max() < 1e-9
 
 
+def test_sampson_is_the_product_over_the_length_of_its_gradient():
+    key, _, n, t = scene()
+    target = key + 0.1 * torch.randn(200, 3, generator=torch.Generator().manual_seed(6)).double()
+    target[:, 2] = 1
+    # By the matrix and autograd: yᵀ E x as a function of the four pixel coordinates.
+    pixels = [camera().project(each)[0].requires_grad_(True) for each in (key, target)]
+    one, other = (camera().unproject(each) for each in pixels)
+    essential = cross_matrix(t) @ rotation_exp(n)
+    product = torch.einsum("ni,nij,nj->n", other, essential, one)
+    slope = torch.cat(torch.autograd.grad(product.sum(), pixels), -1).norm(dim=-1)
+    assert_close(sampson(key, target, n, t, double(*FOCAL)), product / slope)
+
+
 def test_sampson_tells_pixels_and_does_not_change_with_the_length_of_t():
     key, _, _, _ = scene()
     still = torch.zeros_like(key)

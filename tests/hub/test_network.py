@@ -123,6 +123,26 @@ def test_pickled_weights_are_refused(saved, tmp_path):
     assert str(folder) in said
 
 
+def test_broken_weights_are_refused(saved, tmp_path):
+    folder = shutil.copytree(saved("glpn"), tmp_path / "broken")
+    (folder / "model.safetensors").write_bytes(b"no weights at all")
+    assert refusal(str(folder)).startswith(f"hub:{folder}: ")
+
+
+def test_a_model_without_its_processor_is_refused(saved, tmp_path):
+    folder = shutil.copytree(saved("glpn"), tmp_path / "lacking")
+    (folder / "preprocessor_config.json").unlink()
+    assert "load image processor" in refusal(str(folder))
+
+
+def test_a_model_that_brings_its_own_code_is_refused_and_the_code_not_run(saved, tmp_path):
+    folder = shutil.copytree(saved("glpn"), tmp_path / "trap")
+    (folder / "trap.py").write_text(f"open({str(tmp_path / 'sprung')!r}, 'w')\n")
+    change_json(folder / "config.json", model_type="trap", auto_map={"AutoConfig": "trap.Trap"})
+    assert "custom code" in refusal(str(folder))
+    assert not (tmp_path / "sprung").exists()
+
+
 def test_weights_that_are_not_all_there_are_refused(saved, tmp_path):
     folder = shutil.copytree(saved("dpt"), tmp_path / "lacking")
     weights = load_file(folder / "model.safetensors")
@@ -133,7 +153,7 @@ def test_weights_that_are_not_all_there_are_refused(saved, tmp_path):
     )
 
 
-def test_weights_that_no_output_depends_on_may_be_missing(saved, tmp_path, picture):
+def test_weights_that_no_output_depends_on_may_be_missing(saved, tmp_path, picture, capsys):
     """As they are in Intel's published files of DPT, where transformers draws them at random."""
     whole, folder = saved("dpt"), shutil.copytree(saved("dpt"), tmp_path / "published")
     weights = load_file(folder / "model.safetensors")
@@ -142,7 +162,9 @@ def test_weights_that_no_output_depends_on_may_be_missing(saved, tmp_path, pictu
     for name in unused:
         del weights[name]
     save_file(weights, folder / "model.safetensors", {"format": "pt"})
+    capsys.readouterr()
     found = network(str(folder))
+    assert capsys.readouterr() == ("", "")
     np.testing.assert_array_equal(
         found.look(picture).values, network(str(whole)).look(picture).values
     )

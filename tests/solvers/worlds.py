@@ -27,7 +27,9 @@ class Box:
     def covers(self, rays):
         """Return where rays from (0, 0, 0) hit it, at z."""
         x, y = rays[..., 0] * self.z, rays[..., 1] * self.z
-        return (np.abs(x - self.x) < self.width / 2) & (y < self.foot) & (y > self.foot - self.height)
+        return (
+            (np.abs(x - self.x) < self.width / 2) & (y < self.foot) & (y > self.foot - self.height)
+        )
 
     def moved(self, way):
         return Box(self.x + way[0], self.foot + way[1], self.z + way[2], self.width, self.height)

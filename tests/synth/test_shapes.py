@@ -107,6 +107,8 @@ def test_rods_lead_from_each_start_to_its_end():
     ends = np.array([[0.0, 2, 0], [5, 0, 3]])
     corners = rods(starts, ends, 0.01).corners
     assert len(corners) == 2 * 6
+    # Three sides of √3 radius at the start and half of it at the end, along 5 m in all.
+    assert area(rods(starts, ends, 0.01)) == pytest.approx(5 * 3 * 3**0.5 * 0.0075, rel=0.01)
     assert corners.reshape(-1, 3).min(0) == pytest.approx([0, 0, 0], abs=0.011)
     assert corners.reshape(-1, 3).max(0) == pytest.approx([5, 2, 3], abs=0.011)
 

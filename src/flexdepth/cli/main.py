@@ -43,6 +43,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "table": Command(
             "flexdepth.cli.table", "Train the rows of a table of chapter 3, and write it."
         ),
+        "figure": Command("flexdepth.cli.figure", "Draw figures of chapter 3, of any photos."),
         "export": Command("flexdepth.cli.export", "Make a trained network a model bundle."),
         "evaluate": Command(
             "flexdepth.cli.evaluate", "Score a model or predictions by a named protocol."

@@ -14,6 +14,7 @@ from flexdepth.experiments.chapter3 import (
     NYU_SMALL,
 )
 from flexdepth.experiments.experiment import Experiment, Trained
+from flexdepth.experiments.pca import PCA_NYU, PCA_RENDERS
 from flexdepth.experiments.run import BEST
 from flexdepth.experiments.yaml_files import read_experiment
 from flexdepth.losses import GradientMatching
@@ -49,10 +50,12 @@ CATALOGUE: Mapping[str, Experiment] = MappingProxyType(
         "kitti": KITTI,
         "chapter3-small": CHAPTER3_SMALL,
         "chapter3-short": CHAPTER3_SHORT,
+        "pca": PCA_RENDERS,
+        "pca-nyu": PCA_NYU,
     }
 )
 """`compact` learns from small images; `compact-large` goes on at the size of predictions, with more
-weight on edges. The others are the training of chapter 3."""
+weight on edges. The others are the trainings of chapter 3."""
 
 
 def experiment_named(name: str) -> Experiment:

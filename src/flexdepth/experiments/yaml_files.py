@@ -8,6 +8,7 @@ from typing import Any
 import yaml
 
 from flexdepth.experiments.experiment import CODEC, Experiment
+from flexdepth.experiments.held_out import with_own_held_out
 from flexdepth.runtime.atomic import replacing
 from flexdepth.runtime.errors import InputError, reason
 
@@ -37,14 +38,15 @@ def read_experiment(path: Path, named: Mapping[str, Experiment]) -> Experiment:
     names = sorted(named)
     if like is not None and like not in names:
         raise InputError(f"{path}: {LIKE}: no experiment {like!r}; choose one of {names}")
-    first = CODEC.plain(Experiment() if like is None else named[like])
+    first = Experiment() if like is None else named[like]
+    plain = CODEC.plain(first)
     if like is None and "terms" in values:
-        first["terms"] = {}
-    changed = _changed(first, values)
+        plain["terms"] = {}
+    changed = _changed(plain, values)
     terms = changed["terms"]
     if isinstance(terms, dict):
         changed["terms"] = {name: term for name, term in terms.items() if term is not None}
-    return CODEC.restored(Experiment, changed, str(path))
+    return with_own_held_out(first, CODEC.restored(Experiment, changed, str(path)))
 
 
 def experiment_text(experiment: Experiment) -> str:

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from safetensors import SafetensorError
 from transformers import AutoConfig, AutoImageProcessor, AutoModelForDepthEstimation
 from transformers.utils import logging
 from transformers.utils.hub import cached_file
@@ -30,6 +31,9 @@ from flexdepth.runtime.foreign import Sight
 from flexdepth.runtime.session import Provider
 
 _DEVICES = {Provider.CPU: "cpu", Provider.CUDA: "cuda"}
+
+_FAILURES = (OSError, ValueError, KeyError, RuntimeError, ImportError, SafetensorError)
+"""What transformers raises where a model is not there, is broken, or needs more packages."""
 
 _NEVER_USED = "fusion_stage.layers.0.residual_layer1."
 """Weights of DPT's first fusion, which has nothing to add to what comes up: no output depends on
@@ -114,7 +118,7 @@ def network(name: str, provider: Provider = Provider.CPU) -> HubNetwork:
     """
     device = _device(provider)
     place = _place(name)
-    with _bars(shown=not place.get("local_files_only", False)):
+    with _terse(bars=not place.get("local_files_only", False)):
         return _opened(name, place, device)
 
 
@@ -145,16 +149,22 @@ def _opened(name: str, place: dict[str, Any], device: str) -> HubNetwork:
 
 
 @contextmanager
-def _bars(shown: bool) -> Iterator[None]:
-    """Let transformers show how far it is, or not: a download takes minutes, a file none."""
-    if shown or not logging.is_progress_bar_enabled():
-        yield
-        return
-    logging.disable_progress_bar()  # type: ignore[no-untyped-call]
+def _terse(bars: bool) -> Iterator[None]:
+    """Let transformers say nothing of what it loads, which is checked here.
+
+    Args:
+        bars: Whether it may show how far it is: a download takes minutes, a file none.
+    """
+    verbosity, shown = logging.get_verbosity(), logging.is_progress_bar_enabled()
+    logging.set_verbosity_error()  # type: ignore[no-untyped-call]
+    if not bars:
+        logging.disable_progress_bar()  # type: ignore[no-untyped-call]
     try:
         yield
     finally:
-        logging.enable_progress_bar()  # type: ignore[no-untyped-call]
+        logging.set_verbosity(verbosity)
+        if shown:
+            logging.enable_progress_bar()  # type: ignore[no-untyped-call]
 
 
 def _device(provider: Provider) -> str:
@@ -187,7 +197,7 @@ def _loaded(kind: Any, name: str, place: Mapping[str, Any]) -> Any:  # noqa: ANN
     """Return what transformers loads, never by running code of the model's."""
     try:
         return kind.from_pretrained(**place, trust_remote_code=False)
-    except (OSError, ValueError, KeyError, RuntimeError) as error:
+    except _FAILURES as error:
         advice = (
             ""
             if place.get("local_files_only")

@@ -6,7 +6,7 @@ from numpy.random import Generator
 from flexdepth.synth.materials import Material, Part, material
 from flexdepth.synth.parts import Parts
 from flexdepth.synth.scene import AreaLight
-from flexdepth.synth.shapes import Mesh, blob, box, joined, revolved, tube
+from flexdepth.synth.shapes import Mesh, blob, box, joined, quad, revolved, tube
 
 
 def under_ceiling(
@@ -37,6 +37,26 @@ def under_ceiling(
     return parts
 
 
+def odd_corners(rng: Generator, look: Material, size: tuple[float, float, float]) -> Parts:
+    """Return what makes rooms less of a box: pillars, chimneys, beams, a sloping roof."""
+    width, length, height = size
+    parts: Parts = []
+    if rng.random() < 0.2:
+        wide, deep = rng.uniform(0.2, 0.8, 2)
+        x, z = rng.choice((-0.5, 0.5), 2) * (width - wide, length - deep) * rng.uniform(0.3, 1, 2)
+        parts.append(Part(box((x, height / 2, z), (wide, height, deep)), look))
+    if rng.random() < 0.12:
+        level, reach = rng.uniform(0.9, 0.9 * height), rng.uniform(0.3, 0.6) * width
+        rise = (-reach, height - level + 0.01, 0)
+        slope = quad((width / 2, level, -length / 2), rise, (0, 0, length))
+        parts.append(Part(slope, look if rng.random() < 0.5 else material(rng, "wood")))
+    if rng.random() < 0.12:
+        deep, z = rng.uniform(0.15, 0.4), rng.uniform(-0.4, 0.4) * length
+        beam = box((0, height - deep / 2, z), (width, deep, rng.uniform(0.15, 0.4)))
+        parts.append(Part(beam, look if rng.random() < 0.5 else material(rng, "wood")))
+    return parts
+
+
 def lamps(
     rng: Generator, count: int, size: tuple[float, float, float]
 ) -> tuple[Parts, list[AreaLight]]:
@@ -51,7 +71,7 @@ def lamps(
         x, z = rng.uniform(-0.4, 0.4, 2) * (width, length)
         drop = float(rng.uniform(0.3, 0.9)) if hanging and height > 2.3 else 0.03
         side = float(rng.uniform(0.1, 0.7))
-        power = tint * rng.uniform(0.8, 4.0) / count
+        power = tint * rng.uniform(1.0, 6.0) / count
         body = _fitting(rng, drop, shade if hanging else side)
         shining = Material("plain", np.tile(tint, (3, 1)), (1.0, 1.0), float(rng.uniform(2, 9)))
         parts.append(Part(body.placed((x, height, z)), shining))

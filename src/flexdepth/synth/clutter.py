@@ -21,6 +21,7 @@ from flexdepth.synth.small_things import (
     pens,
     plate,
     sheets,
+    shoes,
     tin,
 )
 
@@ -38,6 +39,11 @@ IN_KITCHENS: tuple[Maker, ...] = (
 )  # fmt: skip
 IN_SHELVES: tuple[Maker, ...] = (
     packet, packet, tin, tin, bottle, jar, book, book, gadget, framed, cloth, block, block,
+)  # fmt: skip
+
+ON_FLOORS: tuple[Maker, ...] = (
+    packet, bottle, sheets, book, gadget, cable, cable, cloth, cloth, fruit, tin, block, shoes,
+    shoes,
 )  # fmt: skip
 
 

@@ -58,12 +58,13 @@ def colour(
 
 def _hue(rng: Generator) -> float:
     """Return a hue: mostly the warm ones of wood, stone and skin, then blue, then any."""
-    middle, spread = _HUES[int(rng.choice(len(_HUES), p=(0.5, 0.2, 0.1, 0.2)))]
+    share = rng.random()
+    middle, spread = next(hue[1:] for hue in _HUES if share < hue[0])
     return float(rng.normal(middle, spread) % 1)
 
 
-_HUES = ((0.08, 0.035), (0.6, 0.05), (0.3, 0.08), (0.5, 10.0))
-"""Middle and spread of hues; red is 0 and 1, green 1/3, blue 2/3."""
+_HUES = ((0.5, 0.08, 0.035), (0.7, 0.6, 0.05), (0.8, 0.3, 0.08), (1.0, 0.5, 10.0))
+"""Share up to here, middle and spread of hues; red is 0 and 1, green 1/3, blue 2/3."""
 
 
 def _around(rng: Generator, base: NDArray[np.float64], spread: float) -> NDArray[np.float64]:
@@ -81,12 +82,12 @@ def material(rng: Generator, kind: str) -> Material:
             np.asarray(nature.base) * np.exp(rng.normal(0, 0.3)) * np.exp(rng.normal(0, 0.12, 3))
         )
         size = rng.uniform(*nature.span)
-        pattern = str(rng.choice(nature.patterns))
+        pattern = nature.patterns[int(rng.integers(len(nature.patterns)))]
         colours = _inked(rng, pattern, _around(rng, tinted, rng.uniform(0.25, 0.75)))
         ripple = nature.ripple * float(rng.random()) ** 2
         return Material(pattern, colours, (size, size), 0.0, nature.gloss, nature.rough, ripple)
     sort = KINDS[kind]
-    pattern = str(rng.choice(sort.patterns))
+    pattern = sort.patterns[int(rng.integers(len(sort.patterns)))]
     colours = _around(rng, colour(rng, sort.saturation, sort.bright), sort.spread)
     if rng.random() < sort.spread / 2:
         colours = np.stack([colour(rng, sort.saturation) for _ in range(3)])

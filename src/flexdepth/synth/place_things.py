@@ -100,8 +100,8 @@ def colonnade(rng: Generator) -> Parts:
     bays, pitch, tall = int(rng.integers(3, 9)), rng.uniform(2.2, 4.5), rng.uniform(3, 6)
     deep, thick = rng.uniform(2.5, 4.5), rng.uniform(0.14, 0.35)
     x = (np.arange(bays + 1) - bays / 2) * pitch
-    column = revolved([(1.5 * thick, 0), (1.5 * thick, 0.2), (thick, 0.3), (0.85 * thick, tall - 0.3),
-                       (1.5 * thick, tall - 0.15), (1.5 * thick, tall)], 14)  # fmt: skip
+    profile = [(1.5, 0), (1.5, 0.2), (1, 0.3), (0.85, tall - 0.3), (1.5, tall - 0.15), (1.5, tall)]
+    column = revolved([(thick * out, y) for out, y in profile], 14)
     stone = [column.placed((at, 0, 0)) for at in x]
     angle = np.linspace(0, np.pi, 13)
     if rng.random() < 0.6:

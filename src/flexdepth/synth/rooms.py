@@ -1,11 +1,12 @@
 """Rooms: homes, offices, kitchens, shops, corridors and cellars, with their furniture and light."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.random import Generator
 
-from flexdepth.synth.ceilings import lamps, under_ceiling
+from flexdepth.synth.ceilings import lamps, odd_corners, under_ceiling
+from flexdepth.synth.clutter import ON_FLOORS, clutter
 from flexdepth.synth.furniture import (
     AGAINST_WALLS,
     FREE_STANDING,
@@ -17,11 +18,14 @@ from flexdepth.synth.furniture import (
     STORED,
 )
 from flexdepth.synth.parts import Maker, Parts, bounds, chosen, placed
-from flexdepth.synth.scene import Scene
-from flexdepth.synth.shapes import turn
-from flexdepth.synth.walls import Walls, shell
+from flexdepth.synth.scene import AreaLight, Beam, Scene
+from flexdepth.synth.shapes import Array
+from flexdepth.synth.walls import Gap, Walls, shell
 
 _YAWS = (0.0, np.pi / 2, np.pi, -np.pi / 2)
+
+_OPEN = 0.4
+"""Share of rooms that open into another through a wide gap or an open door."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +69,9 @@ CELLAR = Kind(
     0.6, 7.0, 1.0,
 )  # fmt: skip
 
+_KINDS = (HOME, OFFICE, KITCHEN, CORRIDOR)
+"""What may be next door."""
+
 
 def home(rng: Generator) -> Scene:
     """Return a living room, a bedroom or a study."""
@@ -97,37 +104,23 @@ def cellar(rng: Generator) -> Scene:
 
 
 def furnished(rng: Generator, kind: Kind) -> Scene:
-    """Return a room of a kind with the camera somewhere inside."""
-    size = rng.uniform(kind.lowest, kind.largest)
-    width, length, height = (float(side) for side in size)
-    crowd = rng.uniform(*kind.crowd)
-    daylight = rng.random() < 0.6
-    walls = Walls.drawn(rng, kind.surfaces[0], kind.pictures, daylight)
-    parts = shell(rng, kind.surfaces, width, length, height)
-    beams, subjects = [], []
-    for yaw in _YAWS:
-        across, reach = (width, length) if yaw in (0.0, np.pi) else (length, width)
-        at = tuple(turn(yaw) @ (0, 0, reach / 2))
-        against = _row_along_wall(rng, kind.along_walls, across, crowd)
-        subjects += [bounds(placed(thing, at, yaw)) for thing in against]
-        wall, lit = walls.built(rng, across, height, (np.asarray(at), yaw))
-        beams += lit
-        parts += placed([part for thing in against for part in thing], at, yaw) + wall
-    for thing in _strewn(rng, kind, crowd, (width, length)):
-        subjects.append(bounds(thing))
-        parts += thing
-    parts += under_ceiling(rng, kind.hung, width, length, height)
+    """Return a room of a kind with the camera somewhere inside; some open into another."""
+    size = _size(rng, kind)
+    width, length, height = size
+    opening = Gap.drawn(rng, width, height) if rng.random() < _OPEN else None
+    whole = _contents(rng, kind, size, opening)
+    if opening is not None:
+        whole = whole.beside(_next_door(rng, kind, opening, size), (0, 0, length / 2 + 0.06))
     dark = rng.random() < kind.dark
-    fittings, lights = lamps(rng, 1 if dark else int(rng.integers(1, 4)), (width, length, height))
     warm = np.array([1, rng.uniform(0.85, 1), rng.uniform(0.65, 1.1)])
     corner = np.array([width / 2, 0, length / 2]) - np.minimum(
         (0.35, 0, 0.35), (width / 4, 0, length / 4)
     )
     return Scene(
-        parts=parts + fittings,
-        lamps=lights,
+        parts=whole.parts,
+        lamps=whole.lamps[:1] if dark else whole.lamps,
         sun=None,
-        ambient=warm * (rng.uniform(0.01, 0.08) if dark else rng.uniform(0.12, 0.6)),
+        ambient=warm * (rng.uniform(0.01, 0.08) if dark else rng.uniform(0.05, 0.45)),
         occlusion_reach=float(rng.uniform(0.4, 1.4)),
         horizon=np.ones(3),
         zenith=np.ones(3),
@@ -137,10 +130,73 @@ def furnished(rng: Generator, kind: Kind) -> Scene:
             corner + np.array([0, rng.uniform(1.2, min(2.0, height - 0.2)), 0]),
         ),
         outdoors=False,
-        beams=tuple(beams) if not dark else (),
-        subjects=tuple(subjects),
+        beams=() if dark else tuple(whole.beams),
+        subjects=tuple(whole.subjects),
         nearest=0.2,
     )
+
+
+def _size(rng: Generator, kind: Kind) -> tuple[float, float, float]:
+    width, length, height = rng.uniform(kind.lowest, kind.largest)
+    return float(width), float(length), float(height)
+
+
+def _next_door(
+    rng: Generator, kind: Kind, opening: Gap, size: tuple[float, float, float]
+) -> "_Contents":
+    """Return the room behind an opening; it begins at z = 0."""
+    other = _KINDS[int(rng.integers(len(_KINDS)))] if rng.random() < 0.6 else kind
+    width, length, _ = _size(rng, other)
+    wide, long = max(min(width, 6.0), opening.right - opening.left + 0.3), min(length, 6.0)
+    behind = _contents(rng, other, (wide, long, size[2]), None, closed=_YAWS[:2] + _YAWS[3:])
+    middle = (opening.left + opening.right) / 2
+    return _Contents([], [], [], []).beside(behind, (middle, 0, long / 2))
+
+
+@dataclass(frozen=True, eq=False)
+class _Contents:
+    """What a room consists of: parts, lamps, sunlight and what is worth a look from near."""
+
+    parts: Parts
+    lamps: list[AreaLight]
+    beams: list[Beam]
+    subjects: list[tuple[Array, Array]]
+
+    def beside(self, other: "_Contents", at: tuple[float, float, float]) -> "_Contents":
+        """Return these with the parts and one lamp of another room moved to a place."""
+        moved = [replace(lamp, centre=lamp.centre + at) for lamp in other.lamps[:1]]
+        return replace(self, parts=self.parts + placed(other.parts, at), lamps=self.lamps + moved)
+
+
+def _contents(
+    rng: Generator,
+    kind: Kind,
+    size: tuple[float, float, float],
+    opening: Gap | None,
+    closed: tuple[float, ...] = _YAWS,
+) -> _Contents:
+    """Return a room around the origin; `opening` is in its wall at +z."""
+    width, length, height = size
+    crowd = rng.uniform(*kind.crowd)
+    walls = Walls.drawn(rng, kind.surfaces[0], kind.pictures, bool(rng.random() < 0.6))
+    parts = shell(rng, kind.surfaces, width, length, height)
+    beams: list[Beam] = []
+    things: list[Parts] = []
+    for yaw in closed:
+        across, reach = (width, length) if yaw in (0.0, np.pi) else (length, width)
+        at = (float(np.sin(yaw) * reach / 2), 0.0, float(np.cos(yaw) * reach / 2))
+        gap = opening if yaw == 0.0 else None
+        against = _row_along_wall(rng, kind.along_walls, across, crowd)
+        things += [placed(thing, at, yaw) for thing in against if gap is None or gap.misses(thing)]
+        wall, lit = walls.built(rng, (across, height), (np.asarray(at), yaw), gap)
+        parts += wall
+        beams += lit
+    things += _strewn(rng, kind, crowd, (width, length))
+    parts += [part for thing in things for part in thing]
+    parts += under_ceiling(rng, kind.hung, width, length, height)
+    parts += odd_corners(rng, walls.shared, size)
+    fittings, lights = lamps(rng, int(rng.integers(1, 4)), size)
+    return _Contents(parts + fittings, lights, beams, [bounds(thing) for thing in things])
 
 
 def _strewn(rng: Generator, kind: Kind, crowd: float, size: tuple[float, float]) -> list[Parts]:
@@ -152,6 +208,10 @@ def _strewn(rng: Generator, kind: Kind, crowd: float, size: tuple[float, float])
         square = float(rng.choice(_YAWS) + rng.normal(0, 0.15))
         yaw = square if rng.random() < 0.7 else float(rng.uniform(0, 6.3))
         things.append(placed(thing, (float(x), 0, float(z)), yaw))
+    if rng.random() < 0.4:
+        count = int(rng.integers(2, 14))
+        room = (0.85 * size[0], 0.85 * size[1])
+        things.append(clutter(rng, room, count, 0.4, ON_FLOORS))
     return things
 
 

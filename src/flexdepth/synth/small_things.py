@@ -189,6 +189,21 @@ def framed(rng: Generator) -> Parts:
     return [Part(pane, fitted(rng, "picture", wide, tall)), Part(back, material(rng, "wood"))]
 
 
+def shoes(rng: Generator) -> Parts:
+    """A pair of shoes that lie as they were left."""
+    look = material(rng, str(rng.choice(["leather", "fabric", "plastic"])))
+    size = rng.uniform(0.8, 1.1)
+    parts: Parts = []
+    for x in (-0.07, 0.07):
+        sole = cushion((0, 0.012, 0), (0.09, 0.024, 0.27), 0.6, 9)
+        toe = cushion((0, 0.045, -0.06), (0.085, 0.07, 0.15), 0.9, 10)
+        heel = cushion((0, 0.065, 0.07), (0.075, 0.12, 0.12), 0.6, 10)
+        shoe = [Part(joined([toe, heel]), look), Part(sole, material(rng, "tyre"))]
+        at = (x + rng.normal(0, 0.02), 0.0, rng.normal(0, 0.05))
+        parts += placed(shoe, at, float(rng.normal(0, 0.3)))
+    return [Part(part.mesh.scaled((size,) * 3), part.material) for part in parts]
+
+
 def pens(rng: Generator) -> Parts:
     """A pot with pens, brushes, cutlery or flowers."""
     height = rng.uniform(0.08, 0.12)

@@ -24,7 +24,7 @@ class Kind:
     saturation: float = 0.6
     bright: tuple[float, float] = (0.04, 0.8)
     gloss: tuple[float, float] = (0.02, 0.06)
-    rough: tuple[float, float] = (0.01, 0.1)
+    rough: tuple[float, float] = (0.003, 0.05)
     shiny: float = 0.3
 
 
@@ -64,7 +64,7 @@ KINDS: dict[str, Kind] = {
         0.4,
         (0.04, 0.6),
         (0.02, 0.08),
-        (0.01, 0.12),
+        (0.002, 0.03),
         0.6,
     ),
     "wood": Kind(("wood", "wood", "wood", "plain"), 0.35, (0.3, 1.2), 0.5, (0.03, 0.7), shiny=0.5),
@@ -155,7 +155,7 @@ KINDS: dict[str, Kind] = {
         0.3,
         (0.01, 0.7),
         (0.03, 0.1),
-        (0.005, 0.08),
+        (0.002, 0.04),
         0.9,
     ),
     "splash": Kind(

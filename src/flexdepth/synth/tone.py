@@ -37,7 +37,7 @@ class Tone:
             brightness=float(np.exp(rng.uniform(*np.log(span)))),
             balance=np.exp(rng.normal(0, 0.03, 3) + rng.normal(0, 0.13) * np.array([1, 0, -1])),
             shoulder=float(rng.uniform(0, 0.8) if rng.random() < 0.8 else 0),
-            contrast=float(rng.uniform(0.9, 1.5)),
+            contrast=float(rng.uniform(1.0, 1.9)),
             saturation=float(np.exp(rng.normal(0, 0.25)) if rng.random() < 0.98 else 0),
         )
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.random import Generator
 
 from flexdepth.synth.materials import Material, Part, fitted, glowing, material, shown
-from flexdepth.synth.parts import Parts, placed
+from flexdepth.synth.parts import Parts, bounds, placed
 from flexdepth.synth.scene import Beam
 from flexdepth.synth.shapes import Array, Mesh, box, curtain, joined, quad, turn
 
@@ -66,16 +66,23 @@ class Walls:
         )
 
     def built(
-        self, rng: Generator, across: float, height: float, place: tuple[Array, float]
+        self,
+        rng: Generator,
+        size: tuple[float, float],
+        place: tuple[Array, float],
+        gap: "Gap | None" = None,
     ) -> tuple[Parts, list[Beam]]:
         """Return a wall of a width and height at a place and yaw, and the sun through it."""
+        across, height = size
         at, yaw = place
-        wall = quad((-across / 2, 0, 0), (across, 0, 0), (0, height, 0))
         look = self.shared if rng.random() < 0.75 else material(rng, self.surface)
-        skirting = box((0, 0.04, -0.01), (across, 0.08, 0.015))
-        parts = [Part(wall, look), Part(skirting, self.trim)]
+        if gap is None:
+            wall = quad((-across / 2, 0, 0), (across, 0, 0), (0, height, 0))
+            parts = [Part(wall, look), Part(_skirting(-across / 2, across / 2), self.trim)]
+        else:
+            parts = gap.wall(rng, look, self.trim, size)
         beams: list[Beam] = []
-        taken: list[tuple[float, float]] = []
+        taken = [] if gap is None else [(gap.left - 0.1, gap.right + 0.1)]
         for _ in range(int(rng.poisson(self.pictures))):
             opening = _Opening.drawn(rng, across, height)
             if opening is None or any(a < opening.right and opening.left < b for a, b in taken):
@@ -85,6 +92,58 @@ class Walls:
             if opening.kind == "window" and self.sun is not None:
                 beams += opening.beam(rng, self.sun, place)
         return placed(parts, tuple(at), yaw), beams
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A way through a wall at z = 0: an open door or a wide opening, in metres."""
+
+    left: float
+    right: float
+    top: float
+
+    @classmethod
+    def drawn(cls, rng: Generator, across: float, height: float) -> "Gap":
+        """Return one that fits."""
+        wide = rng.uniform(0.75, 1.0) if rng.random() < 0.5 else rng.uniform(1.0, 3.0)
+        wide = min(wide, across - 0.3)
+        left = rng.uniform(-across / 2 + 0.1, across / 2 - wide - 0.1)
+        top = height - 0.02 if rng.random() < 0.3 else min(2.1, height - 0.05)
+        return cls(float(left), float(left + wide), float(top))
+
+    def misses(self, thing: Parts) -> bool:
+        """Return whether something that stands before the wall leaves the way free."""
+        low, high = bounds(thing)
+        return bool(high[0] < self.left or low[0] > self.right)
+
+    def wall(
+        self, rng: Generator, look: Material, trim: Material, size: tuple[float, float]
+    ) -> Parts:
+        """Return the wall around it, thick as walls are, at times with an open door."""
+        across, height = size
+        half, thick = across / 2, 0.12
+        spans = [
+            (-half, self.left, 0.0),
+            (self.right, half, 0.0),
+            (self.left, self.right, self.top),
+        ]
+        blocks = [
+            box(((a + b) / 2, (base + height) / 2, thick / 2), (b - a, height - base, thick))
+            for a, b, base in spans
+        ]
+        boards = [_skirting(-half, self.left), _skirting(self.right, half)]
+        parts = [Part(joined(blocks), look), Part(joined(boards), trim)]
+        wide = self.right - self.left
+        if wide < 1.05 and rng.random() < 0.5:
+            leaf = box((wide / 2, self.top / 2, 0), (wide, self.top, 0.04))
+            hinge = (self.left, 0.0, thick / 2 if rng.random() < 0.5 else 0.0)
+            turned = float(rng.uniform(0.6, 2.4)) * (1 if hinge[2] == 0 else -1)
+            parts += placed([Part(leaf, fitted(rng, "cabinet", wide, self.top))], hinge, turned)
+        return parts
+
+
+def _skirting(left: float, right: float) -> Mesh:
+    return box(((left + right) / 2, 0.04, -0.01), (right - left, 0.08, 0.015))
 
 
 @dataclass(frozen=True)
