@@ -13,7 +13,7 @@ from flexdepth.training.loop import learn
 SMALL = """
 like: chapter3-small
 network:
-  encoder: {name: resnet18}
+  encoder: {name: test_resnet}
   laterals: [8, 8, 8, 8]
   top: 8
   widths: [8, 8, 8, 8, 8]

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 from flexdepth.networks.depth_basis import SCALES, Basis, DepthBasis
 from flexdepth.runtime.atomic import replacing
@@ -53,8 +54,8 @@ def write_explained(path: Path, basis: DepthBasis, settings: Basis) -> None:
     References:
         Section 3.5.1 of the dissertation, which keeps "the most important" ones.
     """
-    figure = Figure(figsize=(8, 5.6), layout="constrained")
-    grid = figure.add_gridspec(2, _SHOWN + 1, height_ratios=(3, 2))
+    figure = Figure(figsize=(8, 4.8), layout="constrained")
+    grid = figure.add_gridspec(2, _SHOWN + 1, height_ratios=(4, 1))
     axes = figure.add_subplot(grid[0, :])
     explained = basis.explained().numpy()
     axes.plot(np.arange(1, len(explained) + 1), explained, color=_BLUE, marker=".", markersize=4)
@@ -68,13 +69,14 @@ def write_explained(path: Path, basis: DepthBasis, settings: Basis) -> None:
     what = "the logarithm of depth" if settings.scale == "log" else "depth"
     axes.set(
         xscale="log",
-        xlim=(1, len(explained)),
+        xlim=(0.95, 1.2 * len(explained)),
         ylim=(explained[0] * 0.9, 1.005),
         xlabel="principal components",
         ylabel="share of the variance",
         title=f"{what[0].upper()}{what[1:]} of {basis.count} images, "
         f"{settings.columns}x{settings.rows}",
     )
+    axes.xaxis.set_major_formatter(ScalarFormatter())
     _maps([figure.add_subplot(grid[1, n]) for n in range(_SHOWN + 1)], basis, settings)
     _save(figure, path)
 
