@@ -39,9 +39,25 @@ BESIDE_THE_REPOSITORY = Path(__file__).parents[2] / "shared" / "data"
 BUNDLED = "compact"
 
 
-def found(samples: Path) -> Iterator[tuple[SampleSet, Sequence[StoredPair]]]:
-    """Yield the sets that the folder holds; say on stderr which it lacks and why."""
+def found(
+    samples: Path, only: Sequence[str] = ()
+) -> Iterator[tuple[SampleSet, Sequence[StoredPair]]]:
+    """Yield the sets that the folder holds; say on stderr which it lacks and why.
+
+    Args:
+        samples: The folder.
+        only: The names of those that are wanted; all without any.
+
+    Raises:
+        InputError: There is no set of such a name.
+    """
+    unknown = set(only) - {each.name for each in SETS}
+    if unknown:
+        names = ", ".join(each.name for each in SETS)
+        raise InputError(f"--only: no set {min(unknown)!r}; choose some of {names}")
     for sample_set in SETS:
+        if only and sample_set.name not in only:
+            continue
         try:
             yield sample_set, sample_set.load(samples)
         except InputError as error:
@@ -74,6 +90,9 @@ def arguments() -> argparse.Namespace:
         action="append",
         metavar="NAME",
         help=f"may be repeated; the first must reach the bars; default: {BUNDLED}",
+    )
+    parser.add_argument(
+        "--only", action="append", default=[], metavar="SET", help="score this set; may be repeated"
     )
     parser.add_argument("--json", action="store_true", help="print JSON instead of the tables")
     parser.add_argument("--markdown", action="store_true", help="print one Markdown table")
@@ -116,7 +135,7 @@ def scored(
 def main() -> int:
     """Score what the folder holds, print it, return the exit code."""
     options = arguments()
-    sets = list(found(options.samples))
+    sets = list(found(options.samples, options.only))
     if not sets:
         print(f"skipped: {options.samples} holds none of the sets of docs/samples.md")
         return 0

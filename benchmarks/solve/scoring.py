@@ -14,6 +14,9 @@ from pairs import FLEXIBLE, RIGID, STATIC, Pair, parallax
 
 LEAST_PARALLAX = 0.5
 GROUPS = ("all", "static", "rigid", "flexible", "moving")
+SHAPES = {"rigid shape": "rigid", "flexible shape": "flexible"}
+"""A mover scored after a scale of its own: what is left of its error without its relative scale."""
+
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
@@ -57,26 +60,46 @@ def scores(depth: Array, truth: Pair) -> Scores:
         truth: Of the same pair.
     """
     parts = groups(truth)
-    said = np.isfinite(depth) & (depth > 0)
-    both = parts["all"] & said
-    scale = np.median(truth.depth[both] / depth[both]) if both.any() else 1.0
-    scaled = np.where(said, depth, np.nan) * scale
-    middle = np.median(scaled[both]) if both.any() else np.median(truth.depth[parts["all"]])
-    full = np.where(said, scaled, middle)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        off = np.abs(full - truth.depth) / truth.depth
-        near = np.maximum(full / truth.depth, truth.depth / full) < 1.25
-    return {
-        name: Score(float(off[part].mean()), float(near[part].mean()), float(said[part].mean()))
+    together = _scaled(depth, truth.depth, parts["all"])
+    found = {
+        name: _score(together, truth.depth, depth, part)
         for name, part in parts.items()
         if part.any()
     }
+    for name, group in SHAPES.items():
+        part = parts[group]
+        if part.any():
+            alone = _scaled(depth, truth.depth, part)
+            found[name] = _score(alone, truth.depth, depth, part)
+    return found
+
+
+def _known(depth: Array) -> Mask:
+    return np.asarray(np.isfinite(depth) & (depth > 0))
+
+
+def _scaled(depth: Array, truth: Array, part: Mask) -> Array:
+    """Return the depth times the median ratio over a part, filled with its median there."""
+    both = part & _known(depth)
+    if not both.any():
+        return np.full_like(truth, np.median(truth[part]))
+    scaled = depth * np.median(truth[both] / depth[both])
+    return np.where(_known(depth), scaled, np.median(scaled[both]))
+
+
+def _score(scaled: Array, truth: Array, depth: Array, part: Mask) -> Score:
+    said, true = scaled[part], truth[part]
+    return Score(
+        float((np.abs(said - true) / true).mean()),
+        float((np.maximum(said / true, true / said) < 1.25).mean()),
+        float(_known(depth)[part].mean()),
+    )
 
 
 def mean(of_pairs: Sequence[Scores]) -> Scores:
     """Return the mean of each group over the pairs that have it."""
     means = {}
-    for group in GROUPS:
+    for group in (*GROUPS, *SHAPES):
         having = [one[group] for one in of_pairs if group in one]
         if having:
             rows = np.array([[s.abs_rel, s.delta1, s.coverage] for s in having])

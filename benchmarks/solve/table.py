@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from rows import BASELINE, FULL
-from scoring import GROUPS, Scores
+from scoring import GROUPS, SHAPES, Scores
 
 _ROUNDING = 1e-9
 
@@ -17,7 +17,8 @@ class Line:
     Attributes:
         flow: Its name in the suite.
         row: The method.
-        pairs: How many were scored.
+        seeds: Of the pairs that were scored.
+        each: What each pair scored.
         scores: The mean over them.
         seconds: Median wall clock of a pair.
         cpu: Median CPU time of a pair.
@@ -25,7 +26,8 @@ class Line:
 
     flow: str
     row: str
-    pairs: int
+    seeds: tuple[int, ...]
+    each: tuple[Scores, ...]
     scores: Scores
     seconds: float
     cpu: float
@@ -75,6 +77,7 @@ def text(lines: Sequence[Line], judged: Sequence[Verdict]) -> str:
     """Return the table: AbsRel/delta1 in percent of each group, then coverage and time."""
     head = f"{'flow':10} {'method':26} {'pairs':>5}"
     head += "".join(f"{group:>10}" for group in GROUPS)
+    head += "".join(f"{shape:>16}" for shape in SHAPES)
     head += f"{'still known':>13}{'moving known':>14}{'seconds':>9}{'CPU s':>8}"
     rows = [head, "-" * len(head)]
     last = None
@@ -92,6 +95,9 @@ def text(lines: Sequence[Line], judged: Sequence[Verdict]) -> str:
 
 
 def _row(line: Line) -> str:
+    shapes = [
+        abs_rel(line.scores[shape].abs_rel) if shape in line.scores else "-" for shape in SHAPES
+    ]
     cells = [
         f"{abs_rel(line.scores[group].abs_rel)}/{100 * line.scores[group].delta1:.0f}"
         if group in line.scores
@@ -102,8 +108,9 @@ def _row(line: Line) -> str:
         f"{100 * line.scores[group].coverage:.0f} %" if group in line.scores else "-"
         for group in ("static", "moving")
     ]
-    row = f"{line.flow:10} {line.row:26} {line.pairs:>5}"
+    row = f"{line.flow:10} {line.row:26} {len(line.seeds):>5}"
     row += "".join(f"{cell:>10}" for cell in cells)
+    row += "".join(f"{shape:>16}" for shape in shapes)
     return row + f"{known[0]:>13}{known[1]:>14}{line.seconds:>9.2f}{line.cpu:>8.2f}"
 
 

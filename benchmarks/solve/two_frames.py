@@ -54,7 +54,8 @@ def lines(flow: str, rows: Mapping[str, Row], pairs: int | None, kept: Path) -> 
         yield Line(
             flow,
             name,
-            len(cases),
+            tuple(seeds),
+            tuple(found),
             mean(found),
             median(result.seconds for result in results),
             median(result.cpu for result in results),

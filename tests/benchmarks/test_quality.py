@@ -121,6 +121,16 @@ def test_without_samples_it_skips_and_says_where_they_are_from(
     assert "docs/samples.md" in capsys.readouterr().out
 
 
+def test_sets_may_be_chosen_by_name(quality, monkeypatch, tmp_path, capsys):
+    samples = write_nyu(tmp_path)
+    assert run(quality, monkeypatch, "--samples", samples, "--only", "NYU") == 0
+    assert capsys.readouterr().err.count("skipped") == 0
+    with pytest.raises(
+        quality.InputError, match="--only: no set 'Nyu'; choose some of 7-Scenes, N"
+    ):
+        run(quality, monkeypatch, "--samples", samples, "--only", "Nyu")
+
+
 def test_a_set_with_too_few_frames_is_skipped(quality, monkeypatch, tmp_path, capsys):
     assert run(quality, monkeypatch, "--samples", write_nyu(tmp_path, count=2)) == 0
     assert "wanted 3 pictures with a truth, found 2" in capsys.readouterr().err

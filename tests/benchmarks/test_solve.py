@@ -77,6 +77,18 @@ def test_one_wrong_mover_worked_by_hand(solve, pair):
     assert (found["rigid"].abs_rel, found["rigid"].delta1) == (pytest.approx(0.5), 0)
     assert (found["moving"].abs_rel, found["moving"].delta1) == (pytest.approx(0.25), 0.5)
     assert found["all"].abs_rel == pytest.approx(0.5 * 12 / (HEIGHT * WIDTH))
+    assert found["rigid shape"].abs_rel == found["flexible shape"].abs_rel == 0
+
+
+def test_the_shape_of_a_mover_is_scored_after_its_own_scale(solve, pair):
+    truth = with_movers(pair)
+    depth = truth.depth.copy()
+    # Of the rigid mover's 12 pixels at 2 m, 3 are said to be at 9 m and 9 at 6 m.
+    depth[truth.kind == 1] = 6.0
+    depth[2:5, 2] = 9.0
+    found = solve["scoring"].scores(depth, truth)
+    assert found["rigid"].abs_rel == pytest.approx((3 * 3.5 + 9 * 2) / 12)
+    assert found["rigid shape"].abs_rel == pytest.approx(3 * 0.5 / 12)
 
 
 def test_sky_what_is_hidden_and_what_shows_no_parallax_are_not_scored(solve, pair):
@@ -171,7 +183,7 @@ def test_noise_is_as_large_as_it_is_said_and_the_same_every_time(solve, pair):
 
 def line(solve, row, **scores):
     made = {group: solve["scoring"].Score(*numbers) for group, numbers in scores.items()}
-    return solve["table"].Line("exact", row, 20, made, 1.0, 0.5)
+    return solve["table"].Line("exact", row, (0,), (made,), made, 1.0, 0.5)
 
 
 def test_bars_are_met_from_the_side_they_ask_for(solve):

@@ -61,6 +61,12 @@ def test_weights_of_another_network_are_refused_with_the_names_that_differ():
         restore(nn.Linear(3, 1), weights, "run")
 
 
+def test_of_many_names_that_differ_the_first_are_said_and_the_others_counted():
+    weights = {f"weight{number}": torch.zeros(1) for number in range(8)}
+    with pytest.raises(InputError, match=r"unknown \['weight0', 'weight1', 'weight2'\] and 5 more"):
+        restore(nn.Linear(3, 1), weights, "run")
+
+
 @pytest.fixture(params=RECORDED)
 def recorded(request):
     return Path(__file__).parent / "recorded" / request.param

@@ -75,7 +75,7 @@ def look(network: Built, path: Path, truth: Path | None) -> Look:
     seen = _network_size(width, height)
     image = torch.from_numpy(resized(pixels, seen)).permute(2, 0, 1)[None].float() / 255
     prediction = network(image)
-    camera, certain = _camera(photo, known)
+    camera, certain = _camera(photo, known, prediction.focal)
     metric = prediction.canonical_focal is None or certain
     values = _metres(prediction, image, camera, (width, height))
     return Look(
@@ -211,16 +211,16 @@ def _network_size(width: int, height: int) -> tuple[int, int]:
     return MULTIPLE * max(1, round(scale * width)), MULTIPLE * max(1, round(scale * height))
 
 
-def _camera(photo: Photo, truth: DepthMap | None) -> tuple[Camera, bool]:
-    """Return the camera in parts of the photo's sides, and whether it is more than assumed."""
+def _camera(photo: Photo, truth: DepthMap | None, seen: Tensor | None) -> tuple[Camera, bool]:
+    """Return the camera in parts of the photo's sides, and whether it is known."""
     height, width = photo.pixels.shape[:2]
-    own = intrinsics(width, height, None, Said(photo.focal_in_diagonals))
-    certain = photo.focal_in_diagonals is not None
+    said = Said(photo.focal_in_diagonals, None if seen is None else float(seen[0]))
+    own = intrinsics(width, height, None, said)
     if truth is not None and truth.intrinsics is not None:
-        (height, width), own, certain = truth.values.shape, truth.intrinsics, True
+        (height, width), own = truth.values.shape, truth.intrinsics
     focal = torch.tensor([[own.focal_x / width, own.focal_y / height]])
     centre = torch.tensor([[own.centre_x / width, own.centre_y / height]])
-    return Camera(focal, centre), certain
+    return Camera(focal, centre), own.source.is_known
 
 
 def _metres(

@@ -1,8 +1,10 @@
 """Curves of chapter 3: what emphasis does to attention (3.6), what components explain (3.5.1)."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flexdepth.networks.depth_basis import SCALES, Basis, DepthBasis
@@ -52,8 +54,8 @@ def write_explained(path: Path, basis: DepthBasis, settings: Basis) -> None:
         Section 3.5.1 of the dissertation, which keeps "the most important" ones.
     """
     figure = Figure(figsize=(8, 5.6), layout="constrained")
-    upper, lower = np.array(figure.subfigures(2, 1, height_ratios=(3, 2)), object)
-    axes = upper.subplots()
+    grid = figure.add_gridspec(2, _SHOWN + 1, height_ratios=(3, 2))
+    axes = figure.add_subplot(grid[0, :])
     explained = basis.explained().numpy()
     axes.plot(np.arange(1, len(explained) + 1), explained, color=_BLUE, marker=".", markersize=4)
     for share in _SHARES:
@@ -73,11 +75,11 @@ def write_explained(path: Path, basis: DepthBasis, settings: Basis) -> None:
         title=f"{what[0].upper()}{what[1:]} of {basis.count} images, "
         f"{settings.columns}x{settings.rows}",
     )
-    _maps(lower.subplots(1, _SHOWN + 1), basis, settings)
+    _maps([figure.add_subplot(grid[1, n]) for n in range(_SHOWN + 1)], basis, settings)
     _save(figure, path)
 
 
-def _maps(axes: np.ndarray, basis: DepthBasis, settings: Basis) -> None:
+def _maps(axes: Sequence[Axes], basis: DepthBasis, settings: Basis) -> None:
     """Draw the mean map, and the first components with red and blue for the two signs."""
     mean = SCALES[settings.scale].depth_of(basis.mean).numpy()
     order = np.argsort(np.argsort(-mean.ravel())).reshape(mean.shape) / max(mean.size - 1, 1)

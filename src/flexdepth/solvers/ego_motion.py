@@ -138,7 +138,7 @@ def _chosen(
 ) -> tuple[Pose, Pose | None, Array | None]:
     """Return the pose of the chosen kind; a plane's other pose and its normal."""
     if kind is MotionKind.GENERAL:
-        return _forward(fits.general, epipolar), None, None
+        return forward(fits.general, epipolar), None, None
     if kind is MotionKind.PLANE:
         ranked = _plane_motions(fits, epipolar)
         return ranked[0][0], ranked[1][0] if len(ranked) > 1 else None, ranked[0][1]
@@ -193,7 +193,7 @@ def _in_front(pose: Pose, epipolar: Epipolar) -> int:
     return int(np.where(along.inverse_depth > 0, 1, -1)[clear].sum())
 
 
-def _forward(pose: Pose, epipolar: Epipolar) -> Pose:
+def forward(pose: Pose, epipolar: Epipolar) -> Pose:
     """Return the pose with the sign of its translation that puts most points ahead."""
     back = Pose(pose.rotation, -pose.translation)
     return max(pose, back, key=lambda each: _in_front(each, epipolar))

@@ -14,8 +14,8 @@ _POINTS = 2000
 _NEAR = 0.03
 """Relative inverse depth within which a pixel lies in the plane."""
 
-_LEANS = 0.6
-"""A plane whose normal has more to the side than this share of its height is no ground."""
+_UPRIGHT, _LEANS = 0.6, 0.5
+"""A ground's normal has at least this part along the picture's height, and no more to the side."""
 
 _SHARE = 0.25
 """The share of the pixels below the middle that a ground has at least."""
@@ -59,7 +59,8 @@ def ground(key: Array, inverse_depth: Array, static: NDArray[np.bool_]) -> Groun
     corners = rays[drawn]
     sound = np.abs(np.linalg.det(corners)) > 1e-6
     planes = np.linalg.solve(corners[sound], inverse[drawn[sound]][..., None])[..., 0]
-    planes = planes[(planes[:, 1] > 0) & (np.abs(planes[:, 0]) < _LEANS * planes[:, 1])]
+    normals = planes / np.linalg.norm(planes, axis=1, keepdims=True)
+    planes = planes[(normals[:, 1] > _UPRIGHT) & (np.abs(normals[:, 0]) < _LEANS)]
     if not len(planes):
         return None
     near = np.abs(rays @ planes.T / inverse[:, None] - 1) < _NEAR

@@ -30,6 +30,9 @@ _NEAR = 0.08
 
 _FEWEST = 5
 
+_SMOOTH = 0.2
+"""Pixels of flow: beyond a larger jump another thing begins."""
+
 
 @dataclass(frozen=True, eq=False)
 class Still:
@@ -39,13 +42,11 @@ class Still:
         cut: Pieces of the frame.
         labels: 0 where nothing moves by itself.
         along: What the flow says of depth.
-        smooth: Pixels; a smaller change of flow is no jump.
     """
 
     cut: Labels
     labels: Labels
     along: Along
-    smooth: float
 
 
 def with_sunk(still: Still, sight: Sight) -> Labels:
@@ -57,7 +58,8 @@ def with_sunk(still: Still, sight: Sight) -> Labels:
     floor = ground(sight.key, inverse, known)
     if floor is None:
         return labels
-    surfaces = connected(still.cut, still.labels == 0, sight.flow, still.smooth)
+    smooth = max(_SMOOTH, 4 * float(np.median(sight.noise[sight.trusted])))
+    surfaces = connected(still.cut, still.labels == 0, sight.flow, smooth)
     for surface in range(1, int(surfaces.max()) + 1):
         inside = (surfaces == surface) & (labels == 0) & sight.trusted
         if not 0 < inside.sum() < _LARGEST * inside.size or _cut_off(inside):

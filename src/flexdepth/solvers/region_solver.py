@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 from flexdepth.solvers.answer import Evidence, Kind, Region
 from flexdepth.solvers.borders import border, surroundings
 from flexdepth.solvers.correspondences import Correspondences, from_flow
-from flexdepth.solvers.ego_motion import CameraMotion, camera_motion
+from flexdepth.solvers.criterion import MotionKind
+from flexdepth.solvers.ego_motion import CameraMotion, camera_motion, forward
 from flexdepth.solvers.epipolar import Epipolar
 from flexdepth.solvers.ground import ground
-from flexdepth.solvers.least_squares import refined
+from flexdepth.solvers.least_squares import cost, refined, squares
 from flexdepth.solvers.ordering import Still, with_sunk
 from flexdepth.solvers.pieces import Labels, pieces
-from flexdepth.solvers.regions import filled, moving_regions, smoothness
+from flexdepth.solvers.regions import filled, moving_regions
 from flexdepth.solvers.relative_scale import Clues, Scale, relative_scale
 from flexdepth.solvers.seen import Seen
 from flexdepth.solvers.things import Sight, Thing, middle_motion, scaled, things, wobble
@@ -40,7 +41,8 @@ def solved_regions(seen: Seen, clear: float) -> World:
     """
     sight = sight_of(seen)
     trusted = seen.trusted
-    camera = camera_motion(from_flow(seen.flow, trusted, seen.noise, seen.camera))
+    every = from_flow(seen.flow, trusted, seen.noise, seen.camera)
+    camera = _likelier(camera_motion(every), every)
     along = along_of(sight, camera)
     cut = pieces(sight.flow, along.across, float(np.median(sight.noise[trusted])), seen.image)
     moving = moving_regions(cut, sight.flow, along, sight.noise, trusted)
@@ -49,10 +51,22 @@ def solved_regions(seen: Seen, clear: float) -> World:
         camera = _refined(camera, from_flow(seen.flow, still, seen.noise, seen.camera))
         along = along_of(sight, camera)
         moving = moving_regions(cut, sight.flow, along, sight.noise, trusted)
-    smooth = smoothness(sight.noise[trusted])
-    all_moving = with_sunk(Still(cut, moving.labels, along, smooth), sight)
+    all_moving = with_sunk(Still(cut, moving.labels, along), sight)
     labels, found = things(filled(all_moving, trusted), sight, camera.pose, moving.strays)
     return _scaled_world(sight, camera, along, (labels, found, clear))
+
+
+def _likelier(camera: CameraMotion, every: Correspondences) -> CameraMotion:
+    """Return the motion, before a plane, that explains more of what lies outside of the plane.
+
+    What is near stands out of a plane; without it nothing says which of two motions it was.
+    """
+    if camera.kind is not MotionKind.PLANE or camera.alternative is None:
+        return camera
+    epipolar = Epipolar(*every.rays(), every.focal, every.noise * camera.noise_factor)
+    found = [refined(epipolar, pose, _PULLS) for pose in (camera.pose, camera.alternative)]
+    best = min(found, key=lambda pose: cost(squares(epipolar, pose), _PULLS))
+    return replace(camera, pose=forward(best, epipolar))
 
 
 def _refined(camera: CameraMotion, still: Correspondences) -> CameraMotion:

@@ -23,6 +23,9 @@ _LEAST = 0.012
 _STRONG, _WEAK = 6.0, 3.0
 """Standard deviations at which a piece moves, and at which it does beside one that moves."""
 
+_SHARED = 0.2
+"""The part of flow's noise that all pixels of a piece have in common."""
+
 _BEHIND = 0.5
 """The share of a piece's pixels behind the camera that makes it move."""
 
@@ -67,9 +70,10 @@ def moving_regions(
     strays = max(_LEAST, weighted_median(middle, pixels) / 0.6745)
     behind = along.parallax < -_CLEAR * noise
     share = np.bincount(labels[trusted], behind[trusted], minlength=count) / np.maximum(pixels, 1)
-    surprise = np.where(share > _BEHIND, 2 * _STRONG, middle / strays)
+    doubt = _SHARED * medians(labels[trusted], noise[trusted], count)
+    surprise = np.where(share > _BEHIND, 2 * _STRONG, middle / np.hypot(strays, doubt))
     surprise[pixels < 3] = 0.0
-    pairs = neighbours(labels, flow, smoothness(noise[trusted]))
+    pairs = neighbours(labels, flow, max(0.7, 3 * float(np.median(noise[trusted]))))
     moves = _grown(surprise, pairs)
     return Moving(_objects(labels, moves, pairs, pixels), strays)
 
@@ -136,11 +140,6 @@ def connected(labels: Labels, inside: Mask, flow: Array, smooth: float) -> Label
     pixels = np.bincount(labels.ravel(), minlength=count).astype(np.float64)
     counts = np.bincount(labels[inside], minlength=count) > 0.5 * pixels
     return _objects(labels, counts, neighbours(labels, flow, smooth), pixels)
-
-
-def smoothness(noise: Array) -> float:
-    """Return up to how many pixels a change of flow is no jump."""
-    return max(0.7, 3 * float(np.median(noise)))
 
 
 def _root(parent: NDArray[np.intp], at: int) -> int:

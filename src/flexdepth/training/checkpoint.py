@@ -6,7 +6,7 @@ Nothing in it is executed when it is read, and it appears whole or not at all.
 import json
 import os
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -135,10 +135,14 @@ def restore(module: nn.Module, weights: Mapping[str, Tensor], where: str) -> Non
     odd = sorted(name for name in common if own[name].shape != weights[name].shape)
     if missing or unknown or odd:
         raise InputError(
-            f"{where}: holds the weights of another network; missing {missing[:3]}, "
-            f"unknown {unknown[:3]}, of another shape {odd[:3]}"
+            f"{where}: holds the weights of another network; missing {_some(missing)}, "
+            f"unknown {_some(unknown)}, of another shape {_some(odd)}"
         )
     module.load_state_dict(dict(weights))
+
+
+def _some(names: Sequence[str]) -> str:
+    return f"{list(names[:3])}" + (f" and {len(names) - 3} more" if len(names) > 3 else "")
 
 
 def optimiser_tensors(optimiser: Optimizer) -> dict[str, Tensor]:

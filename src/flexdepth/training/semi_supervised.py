@@ -154,8 +154,8 @@ def write_labels(
 
     FOLDER/image/NAME.png is the photo at the size at which the teacher sees it, and
     FOLDER/depth/NAME.npz its label in metres: +inf is sky, NaN where the teacher is not sure. A
-    photo that does not say its focal length has the assumed one of `flexdepth predict`. Photos of
-    which nothing is sure are left out.
+    photo that does not say its focal length has the one that the teacher sees in it, or else the
+    assumed one of `flexdepth predict`. Photos of which nothing is sure are left out.
 
     Args:
         teacher: In evaluation mode.
@@ -195,7 +195,9 @@ def _labelled(teacher: nn.Module, path: Path, agreement: Agreement) -> Pair:
     height, width = pixels.shape[:2]
     image = torch.from_numpy(pixels).permute(2, 0, 1).float() / 255
     said = label(teacher, image, agreement)
-    camera = intrinsics(width, height, None, Said(photo.focal_in_diagonals))
+    seen = said.prediction.focal
+    told = Said(photo.focal_in_diagonals, None if seen is None else float(seen[0]))
+    camera = intrinsics(width, height, None, told)
     sample = Sample((path.stem,), Frame(image[None], _tensors(camera)), None)
     metres = in_metres(said.depth[None], said.prediction, sample)[0]
     values = metres.where(said.sure, torch.nan).where(~said.sky, torch.inf)
