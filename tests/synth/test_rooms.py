@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from flexdepth.synth.rooms import cellar, cookery, corridor, home, office, shop
+from flexdepth.synth.stage import Stage
 
 
 @pytest.mark.parametrize("make", [home, office, cookery, shop, corridor, cellar])
@@ -32,3 +33,15 @@ def test_what_is_worth_a_look_from_near_is_inside_the_room():
     assert scene.subjects
     for low, high in scene.subjects:
         assert (low <= high).all()
+
+
+def test_no_ray_leaves_a_room_even_through_an_open_door(library, monkeypatch):
+    monkeypatch.setattr("flexdepth.synth.rooms._OPEN", 1.0)
+    for seed in range(3):
+        rng = np.random.default_rng([5, seed])
+        scene = home(rng)
+        stage = Stage.built(rng, scene, library)
+        eyes = rng.uniform(*scene.eyes, (20000, 3)).astype(np.float32)
+        ways = rng.normal(size=eyes.shape).astype(np.float32)
+        _, far = stage.hits(eyes, ways, 100.0)
+        assert np.isfinite(far).all()

@@ -110,7 +110,7 @@ def furnished(rng: Generator, kind: Kind) -> Scene:
     opening = Gap.drawn(rng, width, height) if rng.random() < _OPEN else None
     whole = _contents(rng, kind, size, opening)
     if opening is not None:
-        whole = whole.beside(_next_door(rng, kind, opening, size), (0, 0, length / 2 + 0.06))
+        whole = whole.beside(_next_door(rng, kind, opening, size), (0, 0, length / 2))
     dark = rng.random() < kind.dark
     warm = np.array([1, rng.uniform(0.85, 1), rng.uniform(0.65, 1.1)])
     corner = np.array([width / 2, 0, length / 2]) - np.minimum(

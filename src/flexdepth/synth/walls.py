@@ -132,6 +132,10 @@ class Gap:
             for a, b, base in spans
         ]
         boards = [_skirting(-half, self.left), _skirting(self.right, half)]
+        # Where two floors meet a ray could slip through.
+        boards.append(
+            box(((self.left + self.right) / 2, 0, thick / 2), (self.right - self.left, 0.012, 0.16))
+        )
         parts = [Part(joined(blocks), look), Part(joined(boards), trim)]
         wide = self.right - self.left
         if wide < 1.05 and rng.random() < 0.5:
