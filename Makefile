@@ -10,7 +10,8 @@ ALONE := $(BIN)/python -m pip --python .wheel-venv/bin/python
 DEMO := predict $(PHOTO) --preview --points glb --overwrite
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test wheel-test lint unit model bench-quality bench-speed bench-ego clean
+.PHONY: help demo test wheel-test lint unit model bench-quality bench-certainty bench-scoring \
+	bench-speed bench-ego bench-solve clean
 
 help:  ## list the targets
 	@awk -F ':.*  ## ' '/^[a-z-]+:.*  ## / {printf "%-14s %s\n", $$1, $$2}' Makefile
@@ -47,8 +48,14 @@ model: .venv/full.stamp  ## re-make the bundled weights from nothing (hours; an 
 		-o src/flexdepth/runtime/assets/compact.onnx \
 		--source "flexdepth train compact, compact-large; $(TRAINING_IMAGES) images of seed 0"
 
-bench-quality: .venv/full.stamp  ## error on real pictures with measured depth (SAMPLES=DIR)
-	$(BIN)/python benchmarks/quality.py --samples $(SAMPLES)
+bench-quality: .venv/full.stamp  ## error on real pictures with measured depth (SAMPLES=DIR MODELS="compact hub:...")
+	$(BIN)/python benchmarks/quality.py --samples $(SAMPLES) $(foreach model,$(MODELS),--model $(model))
+
+bench-certainty: .venv/full.stamp  ## whether the model knows how far off it is (SAMPLES=DIR)
+	$(BIN)/python benchmarks/certainty.py --samples $(SAMPLES)
+
+bench-scoring: .venv/full.stamp  ## time and memory of scoring 697 predictions
+	$(BIN)/python benchmarks/scoring.py
 
 bench-speed: .venv/full.stamp  ## time and memory
 	$(BIN)/python benchmarks/speed.py

@@ -42,7 +42,7 @@ class Watch:
         """Note the end of an iteration."""
         self.ended.append(time.perf_counter())
 
-    def score(self, *_: object) -> None:
+    def scores(self, *_: object) -> None:
         """Do nothing: the run is over."""
 
     def shares(self) -> dict[str, float]:

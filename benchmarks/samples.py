@@ -1,18 +1,28 @@
 """The real pictures with measured depth that the benchmark scores; see docs/samples.md."""
 
 import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from flexdepth.runtime.depthmap import FocalSource, Intrinsics
+from flexdepth.data.kitti_velodyne import KittiObject
+from flexdepth.data.middlebury import calibrated_scenes
+from flexdepth.data.read import opencv_camera
+from flexdepth.data.stored import Codes, StoredDepth, StoredPair
+from flexdepth.data.sunrgbd import TurnedCodes
+from flexdepth.runtime.depthmap import Intrinsics
 from flexdepth.runtime.errors import InputError
 
 NEAREST = 1e-3
 """Metres: truth at or below it is missing."""
+
+INDOORS, ROAD = 10.0, 80.0
+"""Caps, in metres."""
 
 
 @dataclass(frozen=True)
@@ -32,99 +42,214 @@ class Score:
 
 
 @dataclass(frozen=True)
-class SampleSet:
-    """One set of pictures with measured depth; the n-th picture goes with the n-th truth."""
+class Pgm:
+    """Millimetres in a 16-bit PGM, 0 where nothing was measured."""
 
-    name: str
-    images: str
-    truths: str
-    frames: int
-    steps_per_metre: float
-    cap: float
-    camera: Intrinsics
-    bar: Score
+    path: Path
+
+    def values(self) -> NDArray[np.float32]:
+        """Return metres."""
+        with Image.open(self.path) as picture:
+            metres = np.asarray(picture).astype(np.float32) / np.float32(1000)
+        return np.where(metres > 0, metres, np.float32(np.nan))
+
+
+Read = Callable[[Path], StoredDepth]
 
 
 @dataclass(frozen=True)
-class Frame:
-    """One picture and its measured depth, by path."""
+class Numbered:
+    """Pictures and their depth, which belong together by the last number in their names.
 
-    image: Path
-    truth: Path
+    Attributes:
+        images: Below the folder of all samples, with a `*`.
+        truths: Likewise; the stars may stand for different words.
+        frames: How many are scored, the first by number.
+        read: What a file of depth holds.
+        camera: Of all pictures; None where nobody says it.
+    """
+
+    images: str
+    truths: str
+    frames: int
+    read: Read
+    camera: Intrinsics | None
+
+    def load(self, samples: Path) -> tuple[StoredPair, ...]:
+        """Return the pairs.
+
+        Raises:
+            InputError: The folder holds fewer, or a picture has no truth of its number.
+        """
+        images, truths = (
+            {_number(path): path for path in samples.glob(pattern)}
+            for pattern in (self.images, self.truths)
+        )
+        numbers = sorted(images.keys() & truths.keys())[: self.frames]
+        if len(numbers) < self.frames:
+            raise InputError(
+                f"{samples / self.images}: wanted {self.frames} pictures with a truth, "
+                f"found {len(numbers)}; docs/samples.md says where to take them from"
+            )
+        return tuple(
+            StoredPair(images[n].stem, images[n], self.read(truths[n]), self.camera)
+            for n in numbers
+        )
 
 
-def opencv_camera(focal: float, centre_x: float, centre_y: float) -> Intrinsics:
-    """Return the camera of a file that counts the first pixel's centre as 0."""
-    return Intrinsics(focal, focal, centre_x + 0.5, centre_y + 0.5, FocalSource.GIVEN)
+@dataclass(frozen=True)
+class SampleSet:
+    """One set of pictures with measured depth.
 
+    Attributes:
+        name: As the tables have it.
+        cap: The farthest truth that is scored, in metres.
+        load: Its pictures in the folder of all samples.
+        bar: What the bundled model must reach, fitted in disparity; None: nothing.
+        dense: Its truth is known nearly everywhere and lies where the picture's edges lie.
+    """
+
+    name: str
+    cap: float
+    load: Callable[[Path], Sequence[StoredPair]]
+    bar: Score | None = None
+    dense: bool = False
+
+
+def _number(path: Path) -> int:
+    """Return the last number in a name; 0 where there is none."""
+    return int((re.findall(r"\d+", path.name) or ["0"])[-1])
+
+
+def _several(parts: Sequence[Numbered], samples: Path) -> tuple[StoredPair, ...]:
+    """Return the pictures of one set that lie in several places."""
+    return tuple(pair for part in parts for pair in part.load(samples))
+
+
+def _laser(samples: Path) -> Sequence[StoredPair]:
+    return KittiObject(samples / "driving_kitti_object").load().files
+
+
+def _motorcycle(samples: Path) -> Sequence[StoredPair]:
+    """Return Middlebury's scene: z = baseline · f / (disparity + doffs)."""
+    root = samples / "stereo_motorcycle_sceneflow_kitti15" / "MIDDLEBURY_2014" / "trainingQ"
+    return calibrated_scenes(root).files
+
+
+_MILLIMETRES: Read = partial(Codes, steps_per_metre=1000.0)
+_FIVE_THOUSANDTHS: Read = partial(Codes, steps_per_metre=5000.0)
+_KITTI: Read = partial(Codes, steps_per_metre=256.0)
 
 SETS = (
     SampleSet(
         "7-Scenes",
-        "indoor_7scenes_redkitchen/frames/*.color.jpg",
-        "indoor_7scenes_redkitchen/frames/*.depth.png",
-        frames=180,
-        steps_per_metre=1000.0,
-        cap=10.0,
-        camera=opencv_camera(585.0, 320.0, 240.0),
+        INDOORS,
+        Numbered(
+            "indoor_7scenes_redkitchen/frames/*.color.jpg",
+            "indoor_7scenes_redkitchen/frames/*.depth.png",
+            180,
+            partial(Codes, steps_per_metre=1000.0, unknown=(0, 65535)),
+            opencv_camera((585.0, 585.0), (320.0, 240.0)),
+        ).load,
         bar=Score(0.19, 0.64),
     ),
     SampleSet(
         "NYU",
-        "mixed_metric3d_kitti_nyu_wild/nyu_demo/rgb/*.jpg",
-        "mixed_metric3d_kitti_nyu_wild/nyu_demo/depth/*.png",
-        frames=3,
-        steps_per_metre=1000.0,
-        cap=10.0,
-        camera=opencv_camera(519.16, 325.5825, 253.7362),
+        INDOORS,
+        Numbered(
+            "mixed_metric3d_kitti_nyu_wild/nyu_demo/rgb/*.jpg",
+            "mixed_metric3d_kitti_nyu_wild/nyu_demo/depth/*.png",
+            3,
+            _MILLIMETRES,
+            opencv_camera((518.8579, 519.46961), (325.58245, 253.73617)),
+        ).load,
         bar=Score(0.18, 0.75),
     ),
     SampleSet(
         "ICL-NUIM",
-        "indoor_iclnuim_livingroom1/image/*.jpg",
-        "indoor_iclnuim_livingroom1/depth/*.png",
-        frames=120,
-        steps_per_metre=1000.0,
-        cap=10.0,
-        camera=opencv_camera(525.0, 319.5, 239.5),
+        INDOORS,
+        Numbered(
+            "indoor_iclnuim_livingroom1/image/*.jpg",
+            "indoor_iclnuim_livingroom1/depth/*.png",
+            120,
+            _MILLIMETRES,
+            opencv_camera((525.0, 525.0), (319.5, 239.5)),
+        ).load,
         bar=Score(0.10, 0.90),
+        dense=True,
     ),
     SampleSet(
         "KITTI",
-        "mixed_metric3d_kitti_nyu_wild/kitti_demo/rgb/*.png",
-        "mixed_metric3d_kitti_nyu_wild/kitti_demo/depth/*.png",
-        frames=3,
-        steps_per_metre=256.0,
-        cap=80.0,
-        camera=opencv_camera(707.0493, 604.0814, 180.5066),
+        ROAD,
+        Numbered(
+            "mixed_metric3d_kitti_nyu_wild/kitti_demo/rgb/*.png",
+            "mixed_metric3d_kitti_nyu_wild/kitti_demo/depth/*.png",
+            3,
+            _KITTI,
+            opencv_camera((707.0493, 707.0493), (604.0814, 180.5066)),
+        ).load,
         bar=Score(0.17, 0.78),
     ),
+    SampleSet("KITTI laser", ROAD, _laser),
+    SampleSet(
+        "TUM",
+        INDOORS,
+        partial(
+            _several,
+            (
+                Numbered(
+                    "indoor_slambook2/ch7_tum_fr2_desk/[12].png",
+                    "indoor_slambook2/ch7_tum_fr2_desk/[12]_depth.png",
+                    2,
+                    _FIVE_THOUSANDTHS,
+                    opencv_camera((520.9, 521.0), (325.1, 249.7)),
+                ),
+                Numbered(
+                    "indoor_open3d_samples/other_formats/TUM_color.png",
+                    "indoor_open3d_samples/other_formats/TUM_depth.png",
+                    1,
+                    _FIVE_THOUSANDTHS,
+                    opencv_camera((525.0, 525.0), (319.5, 239.5)),
+                ),
+            ),
+        ),
+    ),
+    SampleSet(
+        "SUN RGB-D",
+        INDOORS,
+        Numbered(
+            "indoor_open3d_samples/other_formats/SUN_color.jpg",
+            "indoor_open3d_samples/other_formats/SUN_depth.png",
+            1,
+            TurnedCodes,
+            None,
+        ).load,
+    ),
+    SampleSet(
+        "NYU dining",
+        INDOORS,
+        Numbered(
+            "indoor_slambook2/ch5_nyu_diningroom/color/*.png",
+            "indoor_slambook2/ch5_nyu_diningroom/depth/*.pgm",
+            5,
+            Pgm,
+            opencv_camera((518.0, 519.0), (325.5, 253.5)),
+        ).load,
+    ),
+    SampleSet(
+        "ICL living",
+        INDOORS,
+        Numbered(
+            "indoor_slambook2/ch12_iclnuim/color/*.png",
+            "indoor_slambook2/ch12_iclnuim/depth/*.png",
+            5,
+            _FIVE_THOUSANDTHS,
+            opencv_camera((481.2, 480.0), (319.5, 239.5)),
+        ).load,
+        dense=True,
+    ),
+    SampleSet("Motorcycle", INDOORS, _motorcycle),
 )
-
-
-def frames(samples: Path, sample_set: SampleSet) -> list[Frame]:
-    """Return the set's first frames by number, as many as the benchmark scores.
-
-    Raises:
-        InputError: The folder holds fewer, or a picture has no truth of its number.
-    """
-    images, truths = (
-        {int(re.findall(r"\d+", path.name)[-1]): path for path in samples.glob(pattern)}
-        for pattern in (sample_set.images, sample_set.truths)
-    )
-    numbers = sorted(images.keys() & truths.keys())[: sample_set.frames]
-    if len(numbers) < sample_set.frames:
-        raise InputError(
-            f"{samples / sample_set.images}: wanted {sample_set.frames} pictures with a truth, "
-            f"found {len(numbers)}; docs/samples.md says where to take them from"
-        )
-    return [Frame(images[number], truths[number]) for number in numbers]
-
-
-def read_truth(path: Path, steps_per_metre: float) -> NDArray[np.float64]:
-    """Return the measured depth in metres, 0 where there is none."""
-    with Image.open(path) as picture:
-        return np.asarray(picture).astype(np.float64) / steps_per_metre
 
 
 def scored_pixels(truth: NDArray[np.float64], cap: float) -> NDArray[np.bool_]:

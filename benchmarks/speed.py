@@ -155,7 +155,9 @@ def networks(folder: Path, options: argparse.Namespace) -> Iterator[Figure]:
     try:
         child([sys.executable, str(MIDAS), str(file)])
     except InputError as error:
-        runs = [inside(running(model.session, width, height)) for _ in range(options.pairs + 1)][1:]
+        runs = [
+            inside(running(model.session.opened, width, height)) for _ in range(options.pairs + 1)
+        ][1:]
         yield seconds(ours, runs)
         yield Figure("network / MiDaS-small", "x", None, bar=1.0, note=str(error))
         return
@@ -164,7 +166,7 @@ def networks(folder: Path, options: argparse.Namespace) -> Iterator[Figure]:
     peer = ort.InferenceSession(file, settings, providers=["CPUExecutionProvider"])
     side = peer.get_inputs()[0].shape[-1]
     mine, theirs = in_turn(
-        running(model.session, width, height), running(peer, side, side), options.pairs
+        running(model.session.opened, width, height), running(peer, side, side), options.pairs
     )
     yield seconds(ours, mine)
     yield seconds(f"MiDaS-small architecture, {side}x{side}", theirs)

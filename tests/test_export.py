@@ -35,9 +35,11 @@ def test_a_bundle_gives_the_depth_of_the_network_at_sizes_never_seen_in_the_expo
     image = torch.rand(3, 3, 64, 160, generator=torch.Generator().manual_seed(1))
     with torch.no_grad():
         wanted = network(image)
-    depth, sky = model.run(image.numpy())
-    assert np.abs(depth / wanted.depth.numpy() - 1).mean() < 0.01
-    assert np.abs(sky - wanted.sky_logit.sigmoid().numpy()).mean() < 0.01
+    found = model.run(image.numpy())
+    assert np.abs(found.depth / wanted.depth.numpy() - 1).mean() < 0.01
+    assert np.abs(found.sky - wanted.sky_logit.sigmoid().numpy()).mean() < 0.01
+    assert np.abs(found.spread / wanted.spread.numpy() - 1).mean() < 0.01
+    assert np.abs(found.focal / wanted.focal.numpy() - 1).max() < 0.01
 
 
 def test_weights_are_stored_in_half_precision(network, bundle):

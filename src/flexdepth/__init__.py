@@ -7,6 +7,7 @@
 Importing this takes no time and loads nothing: each name brings what it needs, never torch.
 """
 
+import warnings
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
     from flexdepth.runtime.depthmap import DepthMap, FocalSource, Intrinsics, Space
     from flexdepth.runtime.errors import InputError
+    from flexdepth.runtime.estimator import Estimator
     from flexdepth.runtime.files import read_depth, write_depth
     from flexdepth.runtime.images import Photo
     from flexdepth.runtime.lens import FieldOfView, FocalLength, Lens
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DepthMap",
+    "Estimator",
     "FieldOfView",
     "FocalLength",
     "FocalSource",
@@ -45,6 +48,7 @@ _BUNDLED = "compact"
 _HOMES = MappingProxyType(
     {
         "DepthMap": "depthmap",
+        "Estimator": "estimator",
         "FieldOfView": "lens",
         "FocalLength": "lens",
         "FocalSource": "depthmap",
@@ -84,20 +88,33 @@ def predict(picture: "Photo | str | Path | ArrayLike", lens: "Lens | None" = Non
     return load(lens=lens).predict(picture)
 
 
-def load(bundle: str | Path = _BUNDLED, lens: "Lens | None" = None) -> "Predictor":
+def load(model: str | Path = _BUNDLED, lens: "Lens | None" = None) -> "Estimator":
     """Return a model that is ready to predict.
 
     Args:
-        bundle: "compact", the model that comes with flexdepth, or an .onnx bundle.
+        model: "compact", the model that comes with flexdepth; an .onnx bundle; any .onnx network
+            with a .yaml card beside it, or the card; or "hub:NAME", such as
+            "hub:depth-anything/Depth-Anything-V2-Small-hf", which needs the extra `hub`.
         lens: As for `predict`, for all pictures.
 
     Raises:
-        InputError: There is no such bundle, or it is none.
-    """
-    from flexdepth.runtime.model import load_model  # noqa: PLC0415 - see the top
-    from flexdepth.runtime.predictor import Predictor  # noqa: PLC0415
+        InputError: There is no such model, or it is broken.
 
-    return Predictor(_bundled() if bundle == _BUNDLED else load_model(Path(bundle)), lens)
+    Warns:
+        UserWarning: The licence of its weights forbids commercial use.
+    """
+    if model == _BUNDLED:
+        from flexdepth.runtime.predictor import Predictor  # noqa: PLC0415 - see the top
+
+        return Predictor(_bundled(), lens)
+
+    from flexdepth.runtime.licences import remark  # noqa: PLC0415
+    from flexdepth.runtime.named import Wishes, named_estimator  # noqa: PLC0415
+
+    found = named_estimator(model, Wishes(lens))
+    if (said := remark(found.about)) is not None:
+        warnings.warn(said, stacklevel=2)
+    return found
 
 
 @cache

@@ -5,13 +5,16 @@ are refused, so that a file from another version never loads as something else.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from difflib import get_close_matches
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
 from cattrs import ClassValidationError, transform_error
+from cattrs.errors import ForbiddenExtraKeysError
 from cattrs.preconf.json import JsonConverter, make_converter
 from cattrs.strategies import configure_tagged_union
+from cattrs.v import format_exception
 
 from flexdepth.runtime.errors import InputError
 
@@ -50,7 +53,8 @@ class Codec:
         try:
             return self._converter.structure(values, kind)
         except ClassValidationError as error:
-            raise InputError(f"{where}: {'; '.join(transform_error(error))}") from error
+            said = transform_error(error, format_exception=_told)
+            raise InputError(f"{where}: {'; '.join(map(_place_first, said))}") from error
 
     @cached_property
     def _converter(self) -> JsonConverter:
@@ -58,14 +62,39 @@ class Codec:
         for union in self.unions:
             configure_tagged_union(union, converter)
             # At once: what holds this union takes the way to read it as it is then.
-            if union in self.untagged:
-                _tag_if_missing(converter, union, self.untagged[union])
+            _check_tags(converter, union, self.untagged.get(union))
         return converter
 
 
-def _tag_if_missing(converter: JsonConverter, union: Any, member: type) -> None:  # noqa: ANN401
-    """Let the converter read a member without a tag; one with an unknown tag stays refused."""
+def _check_tags(converter: JsonConverter, union: Any, untagged: type | None) -> None:  # noqa: ANN401
+    """Let the converter say which members a union has, and read one without a tag if it may be."""
     tagged = converter.get_structure_hook(union)
-    converter.register_structure_hook(
-        union, lambda values, kind: tagged({"_type": member.__name__, **values}, kind)
-    )
+    members = sorted(member.__name__ for member in get_args(union))
+
+    def structured(values: object, kind: Any) -> object:  # noqa: ANN401
+        if not isinstance(values, Mapping):
+            raise InputError(f"wanted fields and a `_type` of {members}, got {values!r}")
+        name = values.get("_type", untagged.__name__ if untagged else None)
+        if name not in members:
+            raise InputError(f"no `_type` {name!r}; choose one of {members}")
+        return tagged({**values, "_type": name}, kind)
+
+    converter.register_structure_hook(union, structured)
+
+
+def _told(error: BaseException, kind: type | None) -> str:
+    if isinstance(error, InputError):
+        return str(error)
+    if isinstance(error, ForbiddenExtraKeysError):
+        unknown, known = sorted(error.extra_fields), [each.name for each in fields(error.cl)]
+        near = get_close_matches(unknown[0], known, n=1)
+        hint = f"did you mean {near[0]!r}?" if near else f"it has {known}"
+        named = ", ".join(map(repr, unknown))
+        return f"{error.cl.__name__} has no field {named}; {hint}"
+    return format_exception(error, kind)
+
+
+def _place_first(message: str) -> str:
+    """Return `terms.sky: ...` of the `... @ $.terms.sky` that cattrs says."""
+    said, _, place = message.rpartition(" @ $")
+    return f"{place.removeprefix('.')}: {said}" if place else said

@@ -61,9 +61,10 @@ class _Outputs(nn.Module):
         super().__init__()
         self.network = network
 
-    def forward(self, image: Float[Tensor, "batch 3 height width"]) -> tuple[Tensor, Tensor]:
+    def forward(self, image: Float[Tensor, "batch 3 height width"]) -> tuple[Tensor, ...]:
         prediction = self.network(image)
-        return prediction.depth, prediction.sky_logit.sigmoid()
+        sky = prediction.sky_logit.sigmoid()
+        return prediction.depth, sky, prediction.spread, prediction.focal
 
 
 def export(network: CompactNetwork, description: Description, path: Path) -> Parity:
@@ -110,7 +111,7 @@ def compared(network: CompactNetwork, bundle: Path) -> Parity:
         image = interpolate(coarse, scale_factor=8.0, mode="bicubic").clamp(0, 1)
         with torch.no_grad():
             wanted = network(image).depth.numpy()
-        depth, _ = model.run(image.numpy())
+        depth = model.run(image.numpy()).depth
         differences.append((np.abs(depth - wanted) / wanted).ravel())
     together = np.concatenate(differences)
     return Parity(float(np.median(together)), float(np.quantile(together, 0.99)))
@@ -124,7 +125,7 @@ def _graph(network: CompactNetwork) -> onnx.ModelProto:
         _Outputs(network).eval(),
         (example,),
         input_names=["image"],
-        output_names=["depth", "sky"],
+        output_names=["depth", "sky", "spread", "focal"],
         dynamic_shapes=({**free, 0: torch.export.Dim("batch")},),
         dynamo=True,
         verbose=False,

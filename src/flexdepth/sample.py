@@ -82,6 +82,8 @@ class Prediction:
         bins: What a network that classifies depth tells apart.
         beyond: Log odds that the depth lies beyond each of `bins`; `depth` is decoded from them.
         centres: Of the bins of depth that the network chose for each image, nearest first.
+        spread: Relative standard deviation of depth, the one factor of the whole map left out.
+        focal: Of the camera that took the image, in image diagonals.
     """
 
     depth: Float[Tensor, "*batch height width"]
@@ -92,6 +94,8 @@ class Prediction:
     bins: DepthBins | None = None
     beyond: Float[Tensor, "*batch bins height width"] | None = None
     centres: Float[Tensor, "*batch _"] | None = None
+    spread: Float[Tensor, "*batch height width"] | None = None
+    focal: Float[Tensor, "*batch"] | None = None
 
 
 def measured(sample: Sample, wanted_by: str) -> Truth:

@@ -80,7 +80,7 @@ def test_json_says_everything_in_one_document(predict, photo):
     assert (code, err) == (2, "")
     said = json.loads(out)
     assert said["model"]["name"] == "tiny"
-    assert said["counts"] == {"done": 1, "skipped": 0, "failed": 2, "not_tried": 0}
+    assert said["counts"] == {"done": 1, "skipped": 0, "failed": 2, "in_part": 0, "not_tried": 0}
     first, second, third = said["results"]
     assert first["input"] == "a.png"
     assert first["outputs"] == [str(Path("depth/a.npz"))]
@@ -152,6 +152,15 @@ def test_a_photo_of_sky_alone_has_no_points_but_its_depth(predict, photo, files)
     assert "there is nothing to write" in err
     assert files() == ["a.normals.png", "a.npz"]
     assert read_depth(Path("depth/a.npz")).sky.all()
+
+
+def test_what_a_photo_that_fails_left_is_said(predict, photo):
+    photo("a.png", 255)
+    said = json.loads(predict("a.png", "--points", "ply", "--preview", "--json")[1])["results"][0]
+    assert said["status"] == "failed"
+    made = ["depth/a.npz", "depth/a.preview.png"]
+    assert [Path(path).as_posix() for path in said["outputs"]] == made
+    assert (said["width"], said["height"]) == (40, 30)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,5 @@
 import json
+import os
 from contextlib import suppress
 from pathlib import Path
 
@@ -47,6 +48,75 @@ def test_a_video_that_was_interrupted_is_taken_up_where_it_was_left(predict, cli
     code, _, err = predict("walk.mp4", "--fov", 70)
     assert code == 2
     assert "000000.npz: is there already" in err
+
+
+@pytest.fixture
+def stopped_at(monkeypatch):
+    """Return a function that lets Ctrl-C come when a file of this name is to be written."""
+
+    def stop(name):
+        def interrupted(path, target):
+            if target.name == name:
+                raise KeyboardInterrupt
+            replace(path, target)
+
+        replace = os.replace
+        monkeypatch.setattr(os, "replace", interrupted)
+
+    return stop
+
+
+def test_ctrl_c_in_a_video_leaves_and_tells_its_frames_so_far(predict, clip, photo, stopped_at):
+    clip("walk.mp4", [20, 60, 100, 140])
+    photo("a.png")
+    stopped_at("000002.npz")
+    code, out, _ = predict("walk.mp4", "a.png", "--json")
+    assert code == 130
+    said = json.loads(out)
+    (result,) = said["results"]
+    assert (result["status"], result["frames"]) == ("in part", 2)
+    assert [Path(path).as_posix() for path in result["outputs"]] == ["depth/walk"]
+    assert (said["stopped"], said["counts"]["in_part"], said["counts"]["not_tried"]) == (True, 1, 1)
+    assert "stopped: 1 in part, 1 not tried" in predict("walk.mp4", "a.png")[2]
+
+
+def test_ctrl_c_before_the_first_frame_leaves_a_video_untried(predict, clip, stopped_at):
+    clip("walk.mp4", [20, 60])
+    stopped_at("000000.npz")
+    code, _, err = predict("walk.mp4")
+    assert code == 130
+    assert "stopped: 1 not tried" in err
+
+
+def test_ctrl_c_in_a_preview_leaves_the_frames(predict, clip, files, stopped_at):
+    clip("walk.mp4", [20, 60])
+    stopped_at("walk.preview.mp4")
+    code, _, err = predict("walk.mp4", "--preview")
+    assert code == 130
+    assert "stopped: 1 in part" in err
+    assert files() == ["walk/000000.npz", "walk/000001.npz"]
+
+
+def test_a_shorter_clip_leaves_no_frame_of_the_longer_one_it_replaces(predict, clip, files):
+    outputs = ("--format", "npy", "--normals")
+    clip("walk.mp4", [20, 60, 100, 140])
+    predict("walk.mp4", *outputs)
+    Path("depth/walk/000004.npy").write_bytes(b"somebody's")
+    clip("walk.mp4", [140, 60])
+    assert predict("walk.mp4", *outputs, "--overwrite")[0] == 0
+    made = [
+        f"walk/00000{index}.{end}" for index in (0, 1) for end in ("json", "normals.png", "npy")
+    ]
+    assert files() == [*made, "walk/000004.npy"]
+
+
+def test_a_clip_without_overwrite_removes_nothing(predict, clip, files):
+    clip("walk.mp4", [20, 60, 100])
+    predict("walk.mp4")
+    before = files()
+    clip("walk.mp4", [20])
+    assert predict("walk.mp4")[0] == 2
+    assert files() == before
 
 
 @pytest.mark.parametrize("batch", [1, 7])

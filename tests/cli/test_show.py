@@ -1,6 +1,7 @@
 import pytest
 
 from flexdepth.cli.show import run
+from flexdepth.experiments.catalogue import experiment_named
 from flexdepth.runtime.errors import InputError
 
 
@@ -33,9 +34,39 @@ def test_the_bundled_model_s_network_can_be_shown(capsys):
     assert "total compact" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(("name", "parameters"), [("edrb", "133,638,806"), ("pca", "4,643,457")])
+def test_the_other_networks_of_chapter_3_can_be_shown(name, parameters, capsys):
+    assert run([name]) == 0
+    assert rows(capsys.readouterr().out)[f"total {name}"][0] == parameters
+
+
+def test_an_experiment_is_shown_as_a_file_that_is_the_same_experiment(capsys, tmp_path):
+    assert run(["experiment", "nyu-small"]) == 0
+    file = tmp_path / "same.yaml"
+    file.write_text(capsys.readouterr().out)
+    assert experiment_named(str(file)) == experiment_named("nyu-small")
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
+        ([], "name what to show, one of ['aga', "),
+        (["agga"], "'agga' cannot be shown; did you mean 'aga'?"),
+        (["nothing"], "'nothing' cannot be shown; choose one of ['aga', "),
+        (["experiment", "kity"], "no experiment 'kity'; did you mean 'kitti'?"),
+    ],
+)
+def test_a_wrong_name_is_answered_with_the_right_ones(arguments, said):
+    with pytest.raises(InputError) as refused:
+        run(arguments)
+    assert said in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--encoder", "resnet51"], "no encoder 'resnet51'"),
+        (["--encoder", "resnet51"], "did you mean 'resnet5"),
         (["--encoder", "nosuchnet"], "no encoder 'nosuchnet'"),
         (["--encoder", "densenet121"], "or the stride 32"),
         (["--size", "0", "9"], "--size is a width and a height in pixels, got 0 9"),

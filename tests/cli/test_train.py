@@ -3,6 +3,7 @@ from pathlib import Path
 import pytest
 
 from flexdepth.cli import train
+from flexdepth.experiments.catalogue import CATALOGUE
 from flexdepth.experiments.experiment import Bundled, ImageNet, Trained
 
 
@@ -21,3 +22,22 @@ def test_a_run_starts_from_the_weights_that_are_named(arguments, start, monkeypa
     monkeypatch.setattr(train, "run_experiment", lambda experiment, *_: started.append(experiment))
     assert train.run(["compact", *arguments]) == 0
     assert started[0].start == start
+
+
+def test_a_file_names_the_run_and_the_command_line_has_the_last_word(monkeypatch, tmp_path):
+    file = tmp_path / "mine.yaml"
+    file.write_text("like: compact\nseed: 3\nloop: {iterations: 7, save_every: 2}\n")
+    started = []
+    monkeypatch.setattr(train, "run_experiment", lambda *given: started.append(given))
+    assert train.run([str(file), "--loop.iterations", "9"]) == 0
+    experiment, folder, *_ = started[0]
+    assert (experiment.seed, experiment.loop.iterations, experiment.loop.save_every) == (3, 9, 2)
+    assert folder == Path("runs/mine")
+
+
+@pytest.mark.parametrize("asked", ["--help", "-h"])
+def test_the_help_lists_the_experiments(asked, capsys):
+    assert train.run([asked]) == 0
+    page = capsys.readouterr().out
+    assert "flexdepth train EXPERIMENT" in page
+    assert all(f"  {name}\n" in page for name in CATALOGUE)

@@ -62,3 +62,26 @@ def test_what_cannot_be_trained_on_is_refused(tmp_path, depth_map, complaint):
     add(tmp_path, "a", depth_map)
     with pytest.raises(InputError, match=complaint):
         Folder(tmp_path).load()[0]
+
+
+@pytest.mark.parametrize(("count", "held_out"), [(2, 1), (9, 1), (20, 2), (25, 2)])
+def test_the_last_tenth_by_name_is_held_out_and_not_learnt_from(count, held_out, tmp_path):
+    for kind, suffix in (("image", "png"), ("depth", "npz")):
+        (tmp_path / kind).mkdir()
+        for number in range(count):
+            (tmp_path / kind / f"{number:02d}.{suffix}").touch()
+    names = {
+        part: [image.stem for image, _ in Folder(tmp_path, part).load().paths]
+        for part in ("all", "first", "last")
+    }
+    assert names["first"] + names["last"] == names["all"] == [f"{n:02d}" for n in range(count)]
+    assert len(names["last"]) == held_out
+
+
+def test_a_single_pair_is_not_divided(tmp_path):
+    for kind, name in (("image", "a.png"), ("depth", "a.npz")):
+        (tmp_path / kind).mkdir()
+        (tmp_path / kind / name).touch()
+    assert len(Folder(tmp_path).load()) == 1
+    with pytest.raises(InputError, match="holds a single pair"):
+        Folder(tmp_path, "last").load()

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flexdepth.data.folder import Pair
-from flexdepth.data.transforms import Colour, Crop, as_sample, cropped, mirrored, resized
+from flexdepth.data.transforms import Crop, as_sample, cropped, mirrored, resized
 from flexdepth.runtime.depthmap import DepthMap, FocalSource, Intrinsics, Space
 
 ROWS, COLUMNS = 24, 32
@@ -74,19 +74,6 @@ def test_a_random_crop_has_the_wanted_size_and_keeps_metres(seed, size):
     assert focal >= pair.truth.intrinsics.focal_in_diagonals(COLUMNS, ROWS) * 0.93
 
 
-def test_colour_of_strength_0_leaves_the_image_alone():
-    image = np.random.default_rng(0).integers(0, 256, (6, 7, 3), dtype=np.uint8)
-    assert np.array_equal(Colour(0.0)(np.random.default_rng(1), image), image)
-
-
-def test_colour_changes_the_image_but_not_its_kind():
-    image = np.random.default_rng(0).integers(0, 256, (6, 7, 3), dtype=np.uint8)
-    lit = Colour()(np.random.default_rng(1), image)
-    assert lit.shape == image.shape
-    assert lit.dtype == np.uint8
-    assert not np.array_equal(lit, image)
-
-
 def test_a_sample_knows_valid_from_sky_from_unknown():
     pair = tilted_plane()
     values = pair.truth.values.copy()
@@ -97,11 +84,3 @@ def test_a_sample_knows_valid_from_sky_from_unknown():
     assert sample.truth.depth.isfinite().all()
     assert (sample.truth.depth > 0).all()
     assert sample.key.camera.centre.tolist() == [15.0, 13.0]
-
-
-def test_a_frame_covers_the_edges_and_nothing_else():
-    image = np.full((40, 60, 3), 90, np.uint8)
-    seen = [Colour(1e-9, framed=1e9)(np.random.default_rng(seed), image) for seed in range(40)]
-    assert all((picture[2:-2, 3:-3] == 90).all() for picture in seen)
-    assert any((picture[0] != 90).all() for picture in seen)
-    assert {int(picture[0, 0, 0]) for picture in seen} == {0, 90, 128, 255}

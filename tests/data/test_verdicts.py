@@ -89,6 +89,17 @@ def test_what_was_tampered_with_is_found(rooms, model, change, check, text):
     assert re.search(text, findings[check].text)
 
 
+def of_no_camera(pair, factor):
+    return Pair(pair.name, pair.image, DepthMap(pair.truth.values * factor, Space.METRIC))
+
+
+def test_millimetres_read_as_metres_are_found_without_a_camera_too(rooms, model):
+    findings = found([of_no_camera(pair, np.float32(1000)) for pair in rooms], model)
+    assert re.search(r"no camera is known: too large .*1000 \(milli", findings["depth scale"].text)
+    # What a lens of another angle than the assumed one may do as well is none.
+    assert "depth scale" not in found([of_no_camera(p, np.float32(4)) for p in rooms], model)
+
+
 def test_scale_alone_is_found_where_scale_alone_is_wrong(rooms, model):
     assert set(found([scaled(10)(pair) for pair in rooms], model)) == {"depth scale"}
     assert set(found([moved(8, 0)(pair) for pair in rooms], model)) == {"registration"}

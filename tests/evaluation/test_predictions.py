@@ -109,3 +109,11 @@ def test_the_focal_length_is_kept_when_a_part_is_cut_out(model, pair):
     road = pair("road", np.ones((375, 1242)))
     found = [model.of(road, 0, view).values[0, 0] for view in (WHOLE, KittiCrop())]
     assert found[0] == pytest.approx(found[1] * np.hypot(352, 1216) / np.hypot(375, 1242), rel=1e-5)
+
+
+def test_predictions_that_lie_a_folder_deeper_are_pointed_at(model, pair):
+    room = pair("room", np.ones((32, 32)))
+    model.of(room, 0, WHOLE)
+    above = prediction_folder(model.cache)
+    with pytest.raises(InputError, match=r"predictions/whole/room\.npz: name the folder .*whole\)"):
+        above.of(room, 0, WHOLE)

@@ -57,6 +57,15 @@ def test_the_median_of_what_is_clamped_afterwards_is_that_of_the_raw_prediction(
     assert found.values["abs_rel"] == pytest.approx(0, abs=1e-6)
 
 
+def test_how_sure_a_prediction_is_does_not_change_its_score(pair, metric):
+    room, plain = pair("a", [[1, 2, 0, 4], [5, 6, 7, 8]]), metric([[1, 2, 3, 3], [5, 5, 7, 9]])
+    sure = replace(plain, spread=np.full((2, 4), 0.1, np.float32), scale_spread=0.2)
+    assert score(room, sure).values == score(room, plain).values
+    half = metric([[3, 7]])
+    spread = replace(half, spread=np.full((1, 2), 0.1, np.float32))
+    assert score(room, spread).values == score(room, half).values
+
+
 def test_an_image_without_truth_is_left_out_and_never_scored_0(pair, metric):
     found = score(pair("dark", [[0, 0, 90]]), metric([[1, 1, 1]]))
     assert found == LeftOut("dark", "no pixel has truth where the protocol scores")

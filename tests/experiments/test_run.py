@@ -16,11 +16,13 @@ from flexdepth.networks import AGA
 from flexdepth.networks.compact import Compact
 from flexdepth.networks.pretrained import imagenet_weights
 from flexdepth.runtime.errors import InputError
+from flexdepth.sample import Prediction
 from flexdepth.synth.generate import SynthSettings, write_images
 from flexdepth.training.batches import BatchSettings
 from flexdepth.training.checkpoint import load, source
 from flexdepth.training.loop import LoopSettings
 from flexdepth.training.optimiser import SGDPolynomial
+from flexdepth.training.validation import SCORES
 
 
 @pytest.fixture(scope="module")
@@ -138,13 +140,25 @@ class Halved(nn.Module):
     """Five times, and doubled again; a network as it is, without the checks of its annotations."""
 
     def forward(self, image):
-        return image + interpolate(avg_pool2d(image, 32), scale_factor=32.0)
+        return Prediction(image[:, 0] + grown(image), None)
 
 
+class Shrunk(nn.Module):
+    """The same without what it would not fit, so that odd sizes come out smaller."""
+
+    def forward(self, image):
+        return Prediction(grown(image), None)
+
+
+def grown(image):
+    return interpolate(avg_pool2d(image, 32), scale_factor=32.0)[:, 0]
+
+
+@pytest.mark.parametrize("kind", [Halved, Shrunk])
 def test_shapes_that_the_network_does_not_take_stop_a_run_before_it_begins(
-    experiment, tmp_path, monkeypatch
+    kind, experiment, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(Compact, "build", lambda _: Halved())
+    monkeypatch.setattr(Compact, "build", lambda _: kind())
     monkeypatch.setattr(run, "give_weights", lambda *_: None)
     batches = replace(experiment.loop.batches, shapes=((64, 96), (100, 64)))
     steps = SGDPolynomial()
@@ -167,8 +181,10 @@ def test_out_of_memory_is_told_in_one_line(experiment, tmp_path, monkeypatch):
 
 def test_a_folder_that_cannot_be_made_stops_a_run_before_it_begins(experiment, tmp_path):
     (tmp_path / "file").write_text("")
+    said = []
     with pytest.raises(InputError, match="is no folder; choose another --output-dir"):
-        run_experiment(experiment, tmp_path / "file" / "run", 0, lambda _line: None)
+        run_experiment(experiment, tmp_path / "file" / "run", 0, said.append)
+    assert said == []
 
 
 def test_a_run_says_what_it_has_and_where_it_computes(finished):
@@ -179,7 +195,8 @@ def test_a_run_leaves_curves_and_pictures(finished):
     events = EventAccumulator(str(finished[0] / "tensorboard"))
     events.Reload()
     terms = {"term/total", "term/silog", "term/gradient", "term/sky"}
-    assert set(events.Tags()["scalars"]) == {"rate", "held_out_abs_rel", *terms}
+    scores = {f"held_out_{name}" for name in SCORES}
+    assert set(events.Tags()["scalars"]) == {"rate", *scores, *terms}
     assert events.Tags()["images"] == ["000000", "000001", "000002"]
     assert [event.step for event in events.Images("000002")] == [1, 2]
 

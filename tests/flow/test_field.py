@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from flexdepth.flow.field import checked, given
+from flexdepth.flow.field import checked, given, likeness
 from flexdepth.runtime.errors import InputError
 
 
@@ -66,3 +66,19 @@ def test_flow_that_does_not_belong_to_its_frames_is_refused():
     for noise in (0, -1, np.nan, np.inf):
         with pytest.raises(InputError, match="noise is wanted in pixels, above 0"):
             given(constant(1, 0), (30, 20), noise)
+
+
+def test_grays_that_stay_correlate_fully_and_others_do_not():
+    gray = np.random.default_rng(0).integers(0, 255, (40, 50)).astype(np.uint8)
+    still = given(np.zeros((40, 50, 2), np.float32), (50, 40), 0.1)
+    assert likeness(gray, gray, still) == pytest.approx(1)
+    assert abs(likeness(gray, gray.T[:40, :].repeat(2, 1)[:, :50], still)) < 0.2
+    right = np.zeros((40, 50, 2), np.float32)
+    right[..., 0] = 3
+    assert likeness(gray, np.roll(gray, 3, 1), given(right, (50, 40), 0.1)) == pytest.approx(1)
+
+
+def test_nothing_that_stays_in_the_picture_is_like_nothing():
+    away = np.full((40, 50, 2), 500, np.float32)
+    gray = np.zeros((40, 50), np.uint8)
+    assert np.isnan(likeness(gray, gray, given(away, (50, 40), 0.1)))

@@ -1,5 +1,6 @@
 import json
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -53,6 +54,12 @@ def test_points_lie_at_depth_times_the_ray_through_the_pixel_centre():
 def test_sky_the_unknown_and_what_lies_behind_give_no_points():
     found = points(metric([[SKY, UNKNOWN], [-1, 3]]), picture(2, 2))
     assert found.positions[:, 2].tolist() == [3]
+
+
+def test_what_is_known_badly_gives_no_points():
+    unsure = np.array([[0.05, 0.31], [0.3, UNKNOWN]], np.float32)
+    found = points(replace(metric([[1, 2], [3, 4]]), spread=unsure), picture(2, 2))
+    assert found.positions[:, 2].tolist() == [1, 3, 4]
 
 
 def test_flying_pixels_give_no_points():

@@ -2,6 +2,7 @@ import json
 import pickle
 import struct
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -121,13 +122,58 @@ def test_files_say_what_they_hold(tmp_path, suffix):
     # 2 atan(3/4) = 73.74 degrees.
     assert said["intrinsics"]["convention"] == "opencv"
     assert (said["intrinsics"]["centre_x"], said["intrinsics"]["centre_y"]) == (2.5, 2.0)
-    assert said["intrinsics"]["assumed_field_of_view"] == pytest.approx(73.7397953)
+    assert said["intrinsics"]["field_of_view"] == pytest.approx(73.7397953)
 
 
-def test_only_an_assumed_focal_length_has_an_assumed_field_of_view(tmp_path):
-    camera = Intrinsics(4.0, 4.0, 3.0, 2.5, FocalSource.EXIF)
-    write_depth(tmp_path / "a.npz", DepthMap(a_room().values, Space.METRIC, camera), None)
-    assert "assumed_field_of_view" not in read_meaning(tmp_path / "a.npz")["intrinsics"]
+def test_only_a_focal_length_that_nobody_knows_is_told_as_a_field_of_view(tmp_path):
+    for source in FocalSource:
+        camera = Intrinsics(4.0, 4.0, 3.0, 2.5, source)
+        write_depth(tmp_path / "a.npz", DepthMap(a_room().values, Space.METRIC, camera), None)
+        told = "field_of_view" in read_meaning(tmp_path / "a.npz")["intrinsics"]
+        assert told == (source in (FocalSource.PREDICTED, FocalSource.ASSUMED))
+
+
+def an_unsure_room():
+    spread = np.linspace(0.01, 0.59, 30, dtype=np.float32).reshape(5, 6)
+    spread[0, :2] = np.nan
+    return replace(a_room(), spread=spread, scale_spread=0.25)
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".exr"])
+def test_a_spread_comes_back_to_the_bit(suffix):
+    written = an_unsure_room()
+    found, _ = read_back(written, suffix)
+    np.testing.assert_array_equal(found.spread, written.spread)
+    np.testing.assert_array_equal(found.values, written.values)
+    assert found.scale_spread == 0.25
+
+
+@pytest.mark.parametrize("suffix", EVERY)
+def test_every_file_says_how_far_off_it_may_be(tmp_path, suffix):
+    # Of 30 evenly spaced spreads, without the first two, the median is the mean of the ends.
+    write_depth(tmp_path / f"a{suffix}", an_unsure_room(), None)
+    said = read_meaning(tmp_path / f"a{suffix}")["spread"]
+    assert said["median"] == pytest.approx((0.05 + 0.59) / 2, abs=1e-6)
+    assert said["of_scale"] == 0.25
+
+
+@pytest.mark.parametrize("suffix", EVERY)
+def test_a_map_without_a_spread_has_none_in_its_file(suffix):
+    found, _ = read_back(a_room(), suffix)
+    assert found.spread is None
+    assert found.scale_spread is None
+
+
+def test_a_spread_of_another_size_is_refused(tmp_path):
+    room = a_room()
+    with pytest.raises(InputError, match=r"of the map's shape \(5, 6\), got \(5, 5\)"):
+        replace(room, spread=np.ones((5, 5), np.float32))
+    write_depth(tmp_path / "a.npz", an_unsure_room(), None)
+    with np.load(tmp_path / "a.npz") as stored:
+        arrays = dict(stored) | {"spread": np.ones((4, 4), np.float32)}
+    np.savez(tmp_path / "a.npz", **arrays)
+    with pytest.raises(InputError, match=r"a\.npz: holds a spread of the shape \(4, 4\)"):
+        read_depth(tmp_path / "a.npz")
 
 
 def test_numpy_reads_depth_and_disparity_by_name_without_pickles(tmp_path):

@@ -32,7 +32,10 @@ def test_a_bundle_says_what_it_is(make_bundle):
 def test_a_run_gives_depth_and_sky_of_each_picture(make_bundle):
     images = np.zeros((2, 3, 32, 64), np.float32)
     images[1] = 1
-    depth, sky = load_model(make_bundle(), threads=1).run(images)
+    answer = load_model(make_bundle(), threads=1).run(images)
+    depth, sky = answer.depth, answer.sky
+    assert answer.spread is None
+    assert answer.focal is None
     assert depth.shape == sky.shape == (2, 32, 64)
     assert (depth[0] == 1).all()
     assert (depth[1] == 2).all()
@@ -44,7 +47,7 @@ def test_threads_may_share_a_model(make_bundle):
     model = load_model(make_bundle())
 
     def depth_of(brightness):
-        return model.run(np.full((1, 3, 32, 32), brightness, np.float32))[0].mean()
+        return model.run(np.full((1, 3, 32, 32), brightness, np.float32)).depth.mean()
 
     brightness = np.linspace(0, 0.9, 40)
     with ThreadPoolExecutor(8) as pool:
@@ -71,6 +74,8 @@ def test_threads_may_share_a_model(make_bundle):
         ("canonical_focal", float("nan"), "a number > 0"),
         ("canonical_focal", float("inf"), "a number > 0"),
         ("canonical_focal", "1", "a number > 0, got '1'"),
+        ("scale_spread", 0, "a number > 0"),
+        ("scale_spread", "wide", "a number > 0, got 'wide'"),
     ],
 )
 def test_a_wrong_field_is_named_with_what_was_wanted_and_what_came(
@@ -170,6 +175,12 @@ def test_a_file_that_is_no_model_is_refused_by_name(content, said, tmp_path):
     refused = refusal(path)
     assert refused.startswith(f"{path}: ")
     assert said in refused
+
+
+def test_a_checkpoint_is_answered_with_the_command_that_makes_a_bundle_of_it(tmp_path):
+    path = tmp_path / "best.safetensors"
+    path.write_bytes(b"\x10\0\0\0\0\0\0\0{}              ")
+    assert f"make a bundle of the checkpoint first: flexdepth export {path}" in refusal(path)
 
 
 def test_a_truncated_bundle_is_refused(make_bundle):

@@ -1,5 +1,6 @@
 import os
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -48,3 +49,9 @@ def test_a_file_that_may_not_be_read_is_named(tmp_path, monkeypatch):
 def test_a_name_that_is_too_long_is_refused(tmp_path):
     with pytest.raises(InputError):
         open_input(tmp_path / ("a" * 5000))
+
+
+@pytest.mark.parametrize("address", ["https://example.org/a.jpg", "http://example.org/b.mp4"])
+def test_an_address_is_answered_with_what_to_do(address):
+    with pytest.raises(InputError, match="nothing is downloaded here, save it first"):
+        open_input(Path(address))

@@ -173,6 +173,53 @@ def test_a_look_in_the_mirror_is_joined_with_the_first(make_bundle, tiny_graph):
     np.testing.assert_allclose(both[:, 1:-1], 2, rtol=1e-5)
 
 
+UNSURE = """
+        half = Constant<value: tensor = float[1] {0.5}>()
+        spread = Mul(mean, half)
+        sides = Constant<value: tensor = int64[2] {1, 2}>()
+        whole = ReduceMean<keepdims = 0>(depth, sides)
+        focal = Mul(whole, half)"""
+"""A spread of half the brightness, and a focal length of half the mean depth."""
+
+
+@pytest.fixture
+def unsure(make_bundle, tiny_graph):
+    """The predictor of the tests above, which also says how sure it is and which lens it sees."""
+    head, body = tiny_graph.split("{", 1)
+    outputs = "float[batch, height, width] sky"
+    more = ", float[batch, height, width] spread, float[batch] focal"
+    assert outputs in head
+    graph = head.replace(outputs, outputs + more) + "{" + body.rsplit("}", 1)[0] + UNSURE + "\n}"
+    return Predictor(load_model(make_bundle(graph=graph, scale_spread=0.2)))
+
+
+def test_a_network_that_sees_the_lens_gives_the_camera_but_no_metres(unsure):
+    found = unsure.predict(gray(40, 30, 51))
+    assert found.intrinsics.source is FocalSource.PREDICTED
+    assert found.intrinsics.focal_x == pytest.approx(0.6 * 50, rel=1e-4)
+    assert found.space is Space.SCALE
+    assert found.scale_spread is None
+    np.testing.assert_allclose(found.depth, 1.2 * 0.6 / 0.5, rtol=1e-4)
+
+
+def test_how_sure_the_network_is_comes_with_the_depth_but_not_in_the_sky(unsure):
+    photo = gray(128, 96, 102, focal_in_diagonals=0.5)
+    photo.pixels[:48] = 255
+    found = unsure.predict(photo)
+    assert found.scale_spread == 0.2
+    assert np.isnan(found.spread[:48]).all()
+    np.testing.assert_allclose(found.spread[49:], 0.2, rtol=1e-5)
+
+
+def test_two_looks_have_the_mean_of_their_spreads(unsure):
+    photo = gray(128, 96, 102)
+    photo.pixels[:, :64] = 51
+    look_twice = Predictor(unsure.model, look=mirrored_too)
+    one, both = unsure.predict(photo), look_twice.predict(photo)
+    np.testing.assert_allclose(both.spread, one.spread, rtol=1e-4)
+    np.testing.assert_allclose(both.intrinsics.focal_x, one.intrinsics.focal_x, rtol=1e-5)
+
+
 def test_a_mirror_changes_nothing_for_a_network_that_knows_no_left(predictor):
     pixels = np.random.default_rng(2).integers(0, 250, (96, 128, 3), np.uint8)
     both = Predictor(predictor.model, look=mirrored_too).predict(pixels)

@@ -3,13 +3,13 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from flexdepth.synth.library import Library
 from flexdepth.synth.materials import Material, Part
 from flexdepth.synth.moments import Play
 from flexdepth.synth.movers import Ground, Kind, Mover
-from flexdepth.synth.patterns import Library
-from flexdepth.synth.render import Stage
 from flexdepth.synth.scene import Scene
 from flexdepth.synth.shapes import Mesh
+from flexdepth.synth.stage import Stage
 
 GREY = Material("plain", np.full((3, 3), 0.5), (1.0, 1.0))
 

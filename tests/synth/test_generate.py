@@ -8,7 +8,7 @@ from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.files import read_depth
 from flexdepth.runtime.images import read_photo
 from flexdepth.synth.generate import SynthSettings, rendered, write_images
-from flexdepth.synth.rooms import room
+from flexdepth.synth.rooms import cellar, cookery, home, office, shop
 from flexdepth.synth.streets import street
 
 SMALL = SynthSettings(seed=3, width=64, height=48)
@@ -70,14 +70,14 @@ def test_other_numbers_and_seeds_are_other_images():
 
 
 def test_streets_have_sky_and_rooms_do_not():
-    outside, _ = rendered(SynthSettings(0, 64, 48, street_share=1.0), 0)
-    inside, _ = rendered(SynthSettings(0, 64, 48, street_share=0.0), 0)
+    outside, _ = rendered(SynthSettings(0, 64, 48, outdoor_share=1.0), 0)
+    inside, _ = rendered(SynthSettings(0, 64, 48, outdoor_share=0.0), 0)
     assert np.isinf(outside.depth).any()
     assert np.isfinite(inside.depth).all()
     assert inside.depth.max() < 20
 
 
-@pytest.mark.parametrize("make", [room, street])
+@pytest.mark.parametrize("make", [home, office, cookery, shop, cellar, street])
 def test_many_scenes_can_be_built_and_are_finite(make):
     for number in range(6):
         scene = make(np.random.default_rng([7, number]))

@@ -1,11 +1,12 @@
 import numpy as np
 import pytest
 
+from flexdepth.synth.library import Library
 from flexdepth.synth.materials import Material, Part
-from flexdepth.synth.patterns import Library
-from flexdepth.synth.render import Stage, render
+from flexdepth.synth.render import render
 from flexdepth.synth.scene import AreaLight, Scene, Sun
 from flexdepth.synth.shapes import box, quad
+from flexdepth.synth.stage import Stage
 from flexdepth.synth.viewpoints import Viewpoint, looking
 
 GREY = Material("plain", np.full((3, 3), 0.5), (1.0, 1.0))

@@ -39,7 +39,7 @@ def test_a_take_shows_what_was_asked_for(shot, frames):
 def test_a_take_with_another_stride_is_not_what_was_asked_for(shot):
     pixels = 80 * 60
     assert shows_it(shot, pixels, 1.0)
-    for factor in (0.6, 1.6):
+    for factor in (0.5, 2.0):
         assert not shows_it(replace(shot, path=shot.path.striding(factor)), pixels, 1.0)
 
 
@@ -59,7 +59,7 @@ def test_besides_the_movers_flow_is_the_cameras(frames):
     ):
         still = here.mover == 0
         assert not way.moving[still].any()
-        assert still.mean() > 0.7
+        assert still.mean() > 0.2
         rotation, translation = other_from_this(here.camera.view, there.camera.view)
         row, column = np.mgrid[:60, :80] + 0.5
         ray = np.stack([(column - 40) / 70, (row - 30) / 70, np.ones_like(row)], -1)
@@ -67,7 +67,7 @@ def test_besides_the_movers_flow_is_the_cameras(frames):
         seen = ray @ rotation.T + translation / here.depth[..., None]
         flow = 70 * seen[..., :2] / seen[..., 2:] + (40, 30) - np.stack([column, row], -1)
         known = still & np.isfinite(way.flow).all(-1)
-        assert np.abs(way.flow - flow)[known].max() < 1e-9
+        assert np.abs(way.flow - flow)[known].max() < 1e-7
 
 
 def test_the_same_number_is_the_same_picture_and_another_is_another(shot, frames):

@@ -7,14 +7,17 @@ from flexdepth.synth.shapes import (
     blob,
     box,
     cushion,
+    draped,
     joined,
     prism,
     quad,
     revolved,
+    rods,
     surface,
     tilt,
     tube,
     turn,
+    wire,
 )
 
 
@@ -89,3 +92,29 @@ def test_every_cell_of_a_surface_becomes_two_triangles():
 
 def test_joined_meshes_keep_every_triangle():
     assert len(joined([quad((0, 0, 0), (1, 0, 0), (0, 1, 0))] * 3).corners) == 6
+
+
+@given(st.lists(st.floats(-1, 1), min_size=3, max_size=9), st.floats(0.001, 0.05))
+def test_a_wire_keeps_its_distance_from_its_line(heights, radius):
+    line = np.stack([np.arange(len(heights)), heights, 0 * np.asarray(heights)], 1)
+    corners = wire(line, radius).corners.reshape(-1, 1, 3)
+    away = np.linalg.norm(corners - line, axis=2).min(1)
+    assert away == pytest.approx(np.full(len(away), radius), abs=1e-9)
+
+
+def test_rods_lead_from_each_start_to_its_end():
+    starts = np.array([[0.0, 0, 0], [5, 0, 0]])
+    ends = np.array([[0.0, 2, 0], [5, 0, 3]])
+    corners = rods(starts, ends, 0.01).corners
+    assert len(corners) == 2 * 6
+    # Three sides of √3 radius at the start and half of it at the end, along 5 m in all.
+    assert area(rods(starts, ends, 0.01)) == pytest.approx(5 * 3 * 3**0.5 * 0.0075, rel=0.01)
+    assert corners.reshape(-1, 3).min(0) == pytest.approx([0, 0, 0], abs=0.011)
+    assert corners.reshape(-1, 3).max(0) == pytest.approx([5, 2, 3], abs=0.011)
+
+
+def test_land_is_textured_by_its_ground_plan():
+    x, z = np.meshgrid(np.arange(3.0), np.arange(4.0))
+    land = draped(np.stack([x, x * z, z], -1))
+    assert len(land.corners) == 2 * 2 * 3
+    assert (land.uv == land.corners[..., [0, 2]]).all()

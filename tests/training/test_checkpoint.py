@@ -1,4 +1,5 @@
 import json
+import os
 import subprocess
 from pathlib import Path
 
@@ -33,6 +34,14 @@ def test_a_checkpoint_comes_back_to_the_bit(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.skipif(os.name == "nt", reason="Windows has other permissions")
+def test_a_checkpoint_may_be_read_by_whoever_may_read_other_files(tmp_path):
+    ordinary = tmp_path / "ordinary"
+    ordinary.touch()
+    save(tmp_path / "a.safetensors", Checkpoint(1, {}, {"network.x": torch.zeros(1)}))
+    assert (tmp_path / "a.safetensors").stat().st_mode == ordinary.stat().st_mode
+
+
 @pytest.mark.parametrize("content", [b"", b"garbage", b"\x80\x04\x95pickle", b"\xff" * 64])
 def test_a_file_that_is_no_checkpoint_is_refused(tmp_path, content):
     path = tmp_path / "a.safetensors"
@@ -49,6 +58,12 @@ def test_a_missing_checkpoint_is_named(tmp_path):
 def test_weights_of_another_network_are_refused_with_the_names_that_differ():
     weights = {"weight": torch.zeros(2, 2), "extra": torch.zeros(1)}
     with pytest.raises(InputError, match=r"missing \['bias'\], unknown \['extra'\].*\['weight'\]"):
+        restore(nn.Linear(3, 1), weights, "run")
+
+
+def test_of_many_names_that_differ_the_first_are_said_and_the_others_counted():
+    weights = {f"weight{number}": torch.zeros(1) for number in range(8)}
+    with pytest.raises(InputError, match=r"unknown \['weight0', 'weight1', 'weight2'\] and 5 more"):
         restore(nn.Linear(3, 1), weights, "run")
 
 

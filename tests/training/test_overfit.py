@@ -3,8 +3,9 @@
 import numpy as np
 import torch
 
+from flexdepth.data.colour import Colour
 from flexdepth.data.folder import Pair
-from flexdepth.data.transforms import Colour, Crop
+from flexdepth.data.transforms import Crop
 from flexdepth.evaluation.alignment import Alignment
 from flexdepth.losses import GradientMatching, Silog
 from flexdepth.networks.compact import Compact

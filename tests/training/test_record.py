@@ -6,7 +6,7 @@ import torch
 from flexdepth.runtime.errors import InputError
 from flexdepth.training import record as recorded
 from flexdepth.training.curves import Curves
-from flexdepth.training.record import Record, span, taken_up
+from flexdepth.training.record import Record, span, taken_up, validations
 
 
 @pytest.fixture
@@ -29,16 +29,15 @@ def noted(record, *numbers):
 
 
 def test_a_line_has_the_means_since_the_last_and_the_time_left(record, said):
-    """Two lines of two iterations each took 10 s: 5 s an iteration."""
     noted(record, 1, 2, 3, 4)
     assert said == [
-        "2/6  total 1.5000  5.00 s/it, 20 s left",
-        "4/6  total 3.5000  5.00 s/it, 10 s left",
+        "2/6  total 1.5000  10.00 s/it, 40 s left",
+        "4/6  total 3.5000  10.00 s/it, 20 s left",
     ]
     lines = [json.loads(line) for line in record.path.read_text().splitlines()]
     assert lines == [
-        {"iteration": 2, "seconds": 5.0, "rate": 0.5, "total": 1.5},
-        {"iteration": 4, "seconds": 5.0, "rate": 0.5, "total": 3.5},
+        {"iteration": 2, "seconds": 10.0, "rate": 0.5, "total": 1.5},
+        {"iteration": 4, "seconds": 10.0, "rate": 0.5, "total": 3.5},
     ]
 
 
@@ -49,10 +48,29 @@ def test_the_last_iteration_has_a_line_whatever_its_number(record, said):
     assert said[1].startswith("6/6  total 5.5000")
 
 
+def test_where_iterations_are_slow_a_line_comes_within_a_minute_or_two(record, said):
+    """At ten seconds each, six of them: a line for every fifty would take over eight minutes."""
+    record.every = record.iterations = 50
+    noted(record, *range(1, 13))
+    assert [line.split()[0] for line in said] == ["6/50", "12/50"]
+    assert said[0].endswith("10.00 s/it, 7 min left")
+
+
 def test_the_score_of_a_validation_is_logged_and_said(record, said):
-    record.score(4, 0.25)
+    record.scores(4, {"abs_rel": 0.25, "rmse": 1.5})
     assert said == ["4/6  held-out AbsRel 0.2500"]
-    assert record.path.read_text() == '{"iteration": 4, "held_out_abs_rel": 0.25}\n'
+    logged = '{"iteration": 4, "held_out_abs_rel": 0.25, "held_out_rmse": 1.5}\n'
+    assert record.path.read_text() == logged
+
+
+def test_a_log_gives_its_validations_back_in_order(record):
+    noted(record, 1, 2)
+    record.scores(2, {"abs_rel": 0.25, "rmse": 1.5})
+    noted(record, 3, 4)
+    record.scores(4, {"abs_rel": 0.125, "rmse": 1.0})
+    first, second = validations(record.path)
+    assert first == {"abs_rel": 0.25, "rmse": 1.5}
+    assert second == {"abs_rel": 0.125, "rmse": 1.0}
 
 
 @pytest.mark.parametrize(
@@ -98,4 +116,4 @@ def test_where_there_is_no_log_there_are_no_scores(tmp_path):
 def test_a_log_that_cannot_be_written_stops_the_run_in_one_line(record):
     record.path.mkdir()
     with pytest.raises(InputError, match=r"log\.jsonl: cannot be written: Is a directory"):
-        record.score(1, 0.5)
+        record.scores(1, {"abs_rel": 0.5})

@@ -37,13 +37,33 @@ def red_pair(metres, truth):
 def test_metres_are_scored_as_they_stand_over_what_is_known():
     """Of 1, 2, 3 and 4 m for 2, 2, unknown and 5 m: (1/2 + 0 + 1/5) / 3."""
     pairs = [red_pair([[1, 2], [3, 4]], [[2, 2], [np.nan, 5]])]
-    assert validate(RedIsDepth(), pairs, Alignment.NONE) == pytest.approx(0.7 / 3, rel=1e-5)
+    assert validate(RedIsDepth(), pairs, Alignment.NONE)["abs_rel"] == pytest.approx(
+        0.7 / 3, rel=1e-5
+    )
+
+
+def test_every_metric_of_chapter_3_is_told():
+    """1 and 4 m for 2 and 4: ln 2 at one of two pixels, off by 1 m and by half."""
+    scores = validate(RedIsDepth(), [red_pair([[1, 4]], [[2, 4]])], Alignment.NONE)
+    assert scores == pytest.approx(
+        {
+            "abs_rel": 0.25,
+            "sq_rel": 0.25,
+            "log10": 0.150515,
+            "rmse": 0.707107,
+            "rmse_log": 0.490129,
+            "delta1": 0.5,
+            "delta2": 0.5,
+            "delta3": 0.5,
+        },
+        rel=1e-5,
+    )
 
 
 @pytest.mark.parametrize("unknown", [np.nan, np.inf, 0.0, -1.0, 80.0, 100.0])
 def test_what_is_unknown_or_beyond_80_metres_is_not_scored(unknown):
     pairs = [red_pair([[1, 2], [3, 4]], [[1.25, 2], [unknown, unknown]])]
-    assert validate(RedIsDepth(), pairs, Alignment.NONE) == pytest.approx(0.1, rel=1e-5)
+    assert validate(RedIsDepth(), pairs, Alignment.NONE)["abs_rel"] == pytest.approx(0.1, rel=1e-5)
 
 
 def test_images_of_several_sizes_count_alike_and_those_without_truth_not_at_all():
@@ -53,14 +73,14 @@ def test_images_of_several_sizes_count_alike_and_those_without_truth_not_at_all(
         red_pair(np.full((2, 6), 9.0), np.full((2, 6), 10.0)),
         red_pair(np.full((4, 5), 9.0), np.full((4, 5), np.nan)),
     ]
-    assert validate(RedIsDepth(), pairs, Alignment.NONE) == pytest.approx(0.3, rel=1e-5)
+    assert validate(RedIsDepth(), pairs, Alignment.NONE)["abs_rel"] == pytest.approx(0.3, rel=1e-5)
 
 
 def test_a_fit_forgives_what_it_fits():
     pairs = [red_pair([[1, 2], [3, 6]], [[2, 4], [6, 12]])]
-    assert validate(RedIsDepth(), pairs, Alignment.NONE) == pytest.approx(0.5, rel=1e-5)
+    assert validate(RedIsDepth(), pairs, Alignment.NONE)["abs_rel"] == pytest.approx(0.5, rel=1e-5)
     for alignment in (Alignment.MEDIAN, Alignment.LEAST_SQUARES_DISPARITY):
-        assert validate(RedIsDepth(), pairs, alignment) == pytest.approx(0.0, abs=1e-6)
+        assert validate(RedIsDepth(), pairs, alignment)["abs_rel"] == pytest.approx(0.0, abs=1e-6)
 
 
 def test_canonical_depth_is_scored_in_metres_for_the_camera_that_took_the_image():
@@ -71,7 +91,7 @@ def test_canonical_depth_is_scored_in_metres_for_the_camera_that_took_the_image(
             return replace(RedIsDepth()(image), canonical_focal=6.0)
 
     pairs = [red_pair(np.full((3, 4), 2.0), np.full((3, 4), 4.0))]
-    assert validate(Canonical(), pairs, Alignment.NONE) == pytest.approx(0.0, abs=1e-5)
+    assert validate(Canonical(), pairs, Alignment.NONE)["abs_rel"] == pytest.approx(0.0, abs=1e-5)
 
 
 def test_nothing_to_be_judged_by_is_refused():
@@ -101,13 +121,15 @@ class SeesSizes(nn.Module):
 def test_networks_that_halve_sizes_are_shown_sides_that_can_be_halved():
     network, metres = SeesSizes(), np.linspace(1, 9, 40)[None] * np.ones((33, 1))
     pairs = [red_pair(metres, np.round(10 * metres) / 10)]
-    assert validate(network, pairs, Alignment.NONE) == pytest.approx(0.0, abs=1e-6)
+    assert validate(network, pairs, Alignment.NONE)["abs_rel"] == pytest.approx(0.0, abs=1e-6)
     assert network.seen == [(64, 64)]
 
 
 def test_large_images_are_judged_at_a_size_that_fits_the_memory():
     network, metres = SeesSizes(), np.full((1500, 1600), 2.0)
-    assert validate(network, [red_pair(metres, metres)], Alignment.NONE) == pytest.approx(0.0)
+    assert validate(network, [red_pair(metres, metres)], Alignment.NONE)[
+        "abs_rel"
+    ] == pytest.approx(0.0)
     ((rows, columns),) = network.seen
     assert 0.9 < rows * columns / (1024 * 512) < 1.1
     assert columns / rows == pytest.approx(16 / 15, rel=0.05)
@@ -120,12 +142,13 @@ def test_processes_judge_by_different_images(monkeypatch):
 
     def summed(_place, numbers):
         shares.append(numbers)
-        return [1.0, 1.0]
+        return [1.0] * len(numbers)
 
     monkeypatch.setattr(Place, "summed", summed)
     for rank in (0, 1):
         validate(RedIsDepth(), pairs, Alignment.NONE, Place(rank, 2))
-    assert shares == [pytest.approx([0.75, 2]), pytest.approx([0.5, 1])]
+    errors = [(share[0], share[-1]) for share in shares]
+    assert errors == [pytest.approx([0.75, 2]), pytest.approx([0.5, 1])]
 
 
 def test_pictures_show_truth_and_prediction_in_the_same_colours():

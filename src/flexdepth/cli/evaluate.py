@@ -38,18 +38,16 @@ from flexdepth.evaluation.report import Report, check_place, remarks, write_repo
 from flexdepth.runtime.atomic import check_writable
 from flexdepth.runtime.depthmap import Space
 from flexdepth.runtime.errors import InputError
-from flexdepth.runtime.model import load_model
-from flexdepth.runtime.predictor import Predictor
-
-BUNDLED = "bundled"
+from flexdepth.runtime.licences import remark
+from flexdepth.runtime.named import Wishes, named_estimator
 
 _PAGE = """\
 usage: flexdepth evaluate MODEL SET [options]              score a model or predictions on a set
        flexdepth evaluate audit PREDICTIONS SET [options]  under every protocol, with the reasons
        flexdepth evaluate compare RESULT RESULT            whether two results differ
 
-MODEL is `bundled`, an .onnx bundle, or a folder of predictions. SET is a folder of image/ and
-depth/, or one of the sets below, whose --root is the folder it lies in;
+MODEL is `bundled`, an .onnx network, hub:NAME (docs/models.md), or a folder of predictions. SET is
+a folder of image/ and depth/, or one of the sets below, whose --root is the folder it lies in;
 flexdepth evaluate MODEL SET --help lists what a set takes. Sets:
 {sets}
 
@@ -92,7 +90,8 @@ class Evaluate(Generic[Data]):
     model: Annotated[
         str, tyro.conf.Positional, tyro.conf.arg(metavar="MODEL", help_behavior_hint="")
     ]
-    """`bundled`, an .onnx bundle, or a folder of depth files."""
+    """`bundled`, any .onnx network that says what it is or has a .yaml card, hub:NAME, or a
+    folder of depth files."""
     data: Annotated[Data, tyro.conf.arg(name="")]
     """The set's own settings."""
     files: Annotated[Files, tyro.conf.arg(name="")]
@@ -152,7 +151,7 @@ def _evaluate(name: str, arguments: Sequence[str]) -> int:
     check_place(place, name, settings.data, predictions.about, settings.overwrite)
     with counted("scoring", len(pairs)) as watch:
         found = evaluate(pairs, predictions, protocol, watch)
-    said = remarks(found, settings.data)
+    said = (*remarks(found, settings.data), *_licence(predictions))
     command = ("flexdepth", "evaluate", *arguments[:1], name, *arguments[1:])
     seconds = time.monotonic() - begin
     report = Report(found, name, settings.data, predictions.about, said, command, seconds)
@@ -195,14 +194,17 @@ def _predictions(settings: Evaluate[Any], folder: Path, images: int) -> Predicti
         return prediction_folder(path, settings.files.stated(), in_order)
     if settings.files != Files():
         raise InputError("--space, --scale and --match are for a folder of predictions")
-    if settings.model != BUNDLED and not path.is_file():
-        raise InputError(
-            f"no model {settings.model!r}: wanted `{BUNDLED}`, an .onnx bundle or a folder of "
-            f"predictions"
-        )
-    model = load_model(None if settings.model == BUNDLED else path)
-    predictor = Predictor(model, None, settings.long_side, LOOKS[settings.look])
-    return ModelPredictions(predictor, folder / "predictions", settings.overwrite)
+    wishes = Wishes(None, settings.long_side, LOOKS[settings.look])
+    estimator = named_estimator(settings.model, wishes)
+    return ModelPredictions(estimator, folder / "predictions", settings.overwrite)
+
+
+def _licence(predictions: Predictions) -> tuple[str, ...]:
+    """Return what must be known of the licence of a model's weights."""
+    if not isinstance(predictions, ModelPredictions):
+        return ()
+    said = remark(predictions.predictor.about)
+    return () if said is None else (said,)
 
 
 def _place(model: str, name: str, data: Any) -> Path:  # noqa: ANN401

@@ -36,6 +36,9 @@ class Export:
     """Of the weights, as an SPDX identifier."""
     source: str = "trained with flexdepth"
     """How the weights were made, in one line."""
+    scale_spread: float | None = None
+    """Relative standard deviation of metres by one factor for a whole map, as
+    `benchmarks/certainty.py` measures it."""
     area: tuple[int, int] = (384, 288)
     """Width and height whose product is the number of pixels that the network runs at."""
 
@@ -59,6 +62,7 @@ def run(arguments: Sequence[str]) -> int:
         multiple=32,
         canonical_focal=network.settings.canonical_focal,
         source=settings.source,
+        scale_spread=settings.scale_spread,
     )
     parity = export(network, description, settings.output)
     megabytes = settings.output.stat().st_size / 1e6

@@ -13,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from flexdepth.cli.arguments import told_in_one_line
-from flexdepth.runtime.depthmap import DepthMap, FocalSource
+from flexdepth.runtime.depthmap import DepthMap
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.files import read_depth, read_meaning
 
@@ -84,6 +84,7 @@ def table(record: Mapping[str, object]) -> Table:
         "range": _range(record),
         "valid": f"{record['share_valid']:.1%}",
         "sky": f"{record['share_sky']:.1%}",
+        "spread": _spread(record["spread"]),
         "stored": _stored(record),
         "camera": _camera(record["intrinsics"]),
         "model": str(record["model"] or "not stated"),
@@ -104,6 +105,14 @@ def _range(record: Mapping[str, object]) -> str:
     return f"{record['least']:.4g} to {record['largest']:.4g} {unit}"
 
 
+def _spread(spread: object) -> str:
+    if not isinstance(spread, Mapping):
+        return "not known"
+    of_scale = spread["of_scale"]
+    common = "" if of_scale is None else f"; {of_scale:.1%} more, common to all pixels"
+    return f"{spread['median']:.1%} of the depth at the median pixel{common}"
+
+
 def _stored(record: Mapping[str, object]) -> str:
     if isinstance(record["invalid"], str):
         return f"as it is; unknown {record['invalid']}, sky {record['sky']}"
@@ -115,8 +124,8 @@ def _camera(intrinsics: object) -> str:
     if not isinstance(intrinsics, Mapping):
         return "not known"
     source = intrinsics["source"]
-    if source == FocalSource.ASSUMED:
-        source = f"assumed, field of view {intrinsics['assumed_field_of_view']:.1f} degrees"
+    if "field_of_view" in intrinsics:
+        source = f"{source}, field of view {intrinsics['field_of_view']:.1f} degrees"
     return (
         f"focal {intrinsics['focal_x']:.6g}, {intrinsics['focal_y']:.6g} px ({source}); centre "
         f"{intrinsics['centre_x']:.6g}, {intrinsics['centre_y']:.6g} px (OpenCV)"

@@ -33,18 +33,25 @@ class Command:
 COMMANDS: Mapping[str, Command] = MappingProxyType(
     {
         "predict": Command("flexdepth.cli.predict", "Write the depth of photos and videos."),
+        "solve": Command("flexdepth.cli.solve", "Find depth and motion in two frames of a scene."),
         "inspect": Command("flexdepth.cli.inspect", "Say what the numbers in a depth file mean."),
         "convert": Command(
             "flexdepth.cli.convert", "Change a depth file's format, not its meaning."
         ),
         "synth": Command("flexdepth.cli.synth", "Render scenes with exact depth to train on."),
         "train": Command("flexdepth.cli.train", "Train a network, or go on with a run."),
+        "table": Command(
+            "flexdepth.cli.table", "Train the rows of a table of chapter 3, and write it."
+        ),
+        "figure": Command("flexdepth.cli.figure", "Draw figures of chapter 3, of any photos."),
         "export": Command("flexdepth.cli.export", "Make a trained network a model bundle."),
         "evaluate": Command(
             "flexdepth.cli.evaluate", "Score a model or predictions by a named protocol."
         ),
         "data": Command("flexdepth.cli.data", "Check a data set, or make it a plain folder."),
-        "show": Command("flexdepth.cli.show", "List a network's parts and their parameters."),
+        "show": Command(
+            "flexdepth.cli.show", "List the parts of a network, or the fields of an experiment."
+        ),
     }
 )
 
@@ -122,13 +129,18 @@ def _run(name: str, module: str, arguments: Sequence[str]) -> int:
 
 
 def _extra_with(module: str) -> str | None:
-    """Return the extra of flexdepth that installs `module`; None where there is no such extra."""
+    """Return the smallest extra of flexdepth that installs `module`; None where there is none.
+
+    An extra may hold all of another one, as `hub` does of `torch`. `dev` is for developers.
+    """
     wanted = module.partition(".")[0].lower()
+    extras: dict[str, set[str]] = {}
     for requirement in requires("flexdepth") or []:
         found = re.match(r"([\w.-]+).*;.*extra == ['\"](\w+)['\"]", requirement)
-        if found and found[1].lower().replace("-", "_") == wanted:
-            return found[2]
-    return None
+        if found and found[2] != "dev":
+            extras.setdefault(found[2], set()).add(found[1].lower().replace("-", "_"))
+    holding = [name for name, held in extras.items() if wanted in held]
+    return min(holding, key=lambda name: len(extras[name]), default=None)
 
 
 def _unknown(name: str, commands: Mapping[str, Command]) -> str:

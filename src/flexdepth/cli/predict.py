@@ -13,17 +13,16 @@ import tyro
 from flexdepth.cli.arguments import told_in_one_line
 from flexdepth.cli.progress import with_progress
 from flexdepth.cli.summary import Summary
-from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.errors import InputError, one_line
 from flexdepth.runtime.inputs import find_inputs
 from flexdepth.runtime.job import Job, failure
 from flexdepth.runtime.lens import FieldOfView, FocalLength, Lens
-from flexdepth.runtime.model import Provider, load_model
+from flexdepth.runtime.licences import remark
+from flexdepth.runtime.named import BUNDLED, Wishes, named_estimator
 from flexdepth.runtime.outputs import DEPTH, MESH, NORMALS, POINTS, PREVIEW, Output
-from flexdepth.runtime.predictor import Predictor, mirrored_too, once
+from flexdepth.runtime.predictor import mirrored_too, once
 from flexdepth.runtime.run import results, without_clashes
-
-_LARGEST_SIDE = 4096
-"""What the network sees takes memory by its area: far beyond this, more than any machine has."""
+from flexdepth.runtime.session import Provider
 
 _Flag = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(help_behavior_hint="")]
 
@@ -76,8 +75,9 @@ class Predict:
     4 means 13 looks at a photo instead of one. Small photos have fewer tiles, or none."""
     flip: _Flag = False
     """Look at each picture in a mirror too, and take the mean: twice as slow, and steadier."""
-    model: Annotated[Path | None, tyro.conf.arg(metavar="BUNDLE", help_behavior_hint="")] = None
-    """An .onnx bundle to use instead of the model that comes with flexdepth."""
+    model: Annotated[str, tyro.conf.arg(metavar="MODEL", help_behavior_hint="")] = BUNDLED[0]
+    """Another model than the one that comes with flexdepth: an .onnx bundle, any .onnx network with
+    a .yaml card beside it, or hub:NAME (docs/models.md)."""
     provider: Annotated[Provider, tyro.conf.EnumChoicesFromValues] = Provider.CPU
     """What the network runs on."""
     threads: Annotated[int | None, tyro.conf.arg(metavar="N", help_behavior_hint="")] = None
@@ -98,6 +98,8 @@ def run(arguments: Sequence[str]) -> int:
         raise InputError("name at least one photo, folder or video: flexdepth predict photo.jpg")
     begin = time.monotonic()
     job = job_of(settings)
+    if (said := remark(job.predictor.about)) is not None:
+        sys.stderr.write(f"flexdepth: {one_line(said)}\n")
     found, refusals = find_inputs(settings.inputs, settings.output_dir)
     inputs, done = without_clashes(job, found)
     done += [failure(each.path, InputError(each.reason)) for each in refusals]
@@ -128,23 +130,25 @@ def job_of(settings: Predict) -> Job:
             raise InputError(f"{name}: wanted a whole number >= 1, got {value}")
     if os.path.isfile(settings.output_dir):  # Path.is_file raises below a forbidden folder
         raise InputError(f"--output-dir: {settings.output_dir} is a file, wanted a folder")
-    lens = _lens(settings)
-    model = load_model(settings.model, settings.provider, settings.threads)
-    least, long_side = model.description.multiple, settings.long_side
-    if long_side is not None and not least <= long_side <= _LARGEST_SIDE:
-        raise InputError(
-            f"--long-side: wanted {least} to {_LARGEST_SIDE} pixels, got {long_side}; "
-            "--tiles shows the network more detail in less memory"
-        )
     return Job(
-        Predictor(
-            model, lens, settings.long_side, mirrored_too if settings.flip else once, settings.tiles
-        ),
+        named_estimator(settings.model, _wishes(settings)),
         settings.output_dir,
         _outputs(settings),
         settings.overwrite,
         settings.max_pixels,
         settings.batch,
+    )
+
+
+def _wishes(settings: Predict) -> Wishes:
+    """Return how the model is to look at pictures."""
+    return Wishes(
+        _lens(settings),
+        settings.long_side,
+        mirrored_too if settings.flip else once,
+        settings.tiles,
+        settings.provider,
+        settings.threads,
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 
-from flexdepth.runtime.depthmap import FocalSource
+from flexdepth.runtime.depthmap import FocalSource, Space
 from flexdepth.runtime.errors import one_line
 from flexdepth.runtime.job import Job, Result, Status
 
@@ -62,7 +62,7 @@ class Summary:
         """Return warnings, failures and counts, one a line."""
         lines = [warning for each in self.results for warning in each.warnings]
         lines += [f"failed: {each.error}" for each in self._failed]
-        relative = sum(map(_has_assumed_lens, self.results))
+        relative = sum(map(_wants_a_lens, self.results))
         if relative:
             lines.append(
                 f"relative depth for {relative} of {self.total}: the focal length is not known; "
@@ -75,14 +75,14 @@ class Summary:
 
     def json(self, job: Job) -> str:
         """Return everything as one JSON document."""
-        about = job.predictor.model.description
+        about = job.predictor.about
         document = {
             "flexdepth": version("flexdepth"),
             "model": {
                 "name": about.name,
                 "version": about.version,
                 "licence": about.licence,
-                "sha256": job.predictor.model.digest,
+                "sha256": about.digest,
             },
             "results": [_record(each) for each in self.results],
             "counts": {name.replace(" ", "_"): n for name, n in self._counts().items()},
@@ -92,9 +92,10 @@ class Summary:
         return json.dumps(document, indent=1)
 
 
-def _has_assumed_lens(result: Result) -> bool:
+def _wants_a_lens(result: Result) -> bool:
     camera = result.meaning.get("intrinsics")
-    return isinstance(camera, Mapping) and camera["source"] == FocalSource.ASSUMED
+    assumed = isinstance(camera, Mapping) and camera["source"] == FocalSource.ASSUMED
+    return assumed and result.meaning.get("space") == Space.SCALE
 
 
 def _record(result: Result) -> dict[str, object]:

@@ -3,17 +3,32 @@
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated
 
 import tyro
 
 from flexdepth.cli.arguments import told_in_one_line
-from flexdepth.experiments.catalogue import CATALOGUE
-from flexdepth.experiments.experiment import Bundled, Experiment, ImageNet, Start, Trained
+from flexdepth.cli.weights import start_of
+from flexdepth.experiments.catalogue import CATALOGUE, experiment_named
+from flexdepth.experiments.experiment import Experiment, ImageNet, Labels
+from flexdepth.experiments.held_out import with_own_held_out
 from flexdepth.experiments.run import run_experiment
 from flexdepth.runtime.errors import InputError
+from flexdepth.training.semi_supervised import Agreement
+
+_PAGE = """\
+usage: flexdepth train EXPERIMENT [--field value ...]
+
+Train a network, or go on with a run that was interrupted.
+
+experiments:
+{experiments}
+  or a .yaml file: `like: compact`, and what differs from it
+
+flexdepth train EXPERIMENT --help lists its fields; flexdepth show experiment EXPERIMENT prints all
+of it as YAML, to begin a file with. docs/chapter3.md says more.
+"""
 
 
 @dataclass(frozen=True)
@@ -33,52 +48,50 @@ class Train:
     start: Annotated[str | None, tyro.conf.arg(metavar="WEIGHTS")] = None
     """Weights to begin with: `bundled` (the model that comes with flexdepth), `imagenet` (the
     encoder alone), a bundle (.onnx) or a checkpoint (.safetensors) of the same network."""
+    unlabelled: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """A folder of photos without depth, to learn from as well: a trained model labels them, where
+    it is sure, before the training begins."""
+    teacher: Annotated[str, tyro.conf.arg(metavar="WEIGHTS")] = "bundled"
+    """With --unlabelled, the model that labels: `bundled`, a bundle or a checkpoint."""
+    agreement: Annotated[float, tyro.conf.arg(metavar="X")] = Agreement.ratio
+    """With --unlabelled, the largest factor between the depths of two looks of a teacher that is
+    sure."""
     encoder_weights: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """ImageNet weights of the encoder under timm's names, .safetensors or .pth."""
 
 
 def run(arguments: Sequence[str]) -> int:
     """Train the experiment that the first argument names."""
-    if not arguments or arguments[0].startswith("-"):
-        arguments = ("compact", *arguments) if "--help" in arguments or "-h" in arguments else ()
-    if not arguments:
-        raise InputError(f"name an experiment: flexdepth train {next(iter(CATALOGUE))}")
-    name, *rest = arguments
-    if name not in CATALOGUE:
-        near = get_close_matches(name, CATALOGUE, n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"choose one of {sorted(CATALOGUE)}"
-        raise InputError(f"no experiment {name!r}; {hint}")
+    name, *rest = arguments or [""]
+    if name in ("-h", "--help"):
+        sys.stdout.write(_page())
+        return 0
+    if not name or name.startswith("-"):
+        raise InputError(f"name an experiment first, of {sorted(CATALOGUE)}, or a .yaml file")
+    named = experiment_named(name)
     with told_in_one_line(f"flexdepth train {name}"):
         settings = tyro.cli(
             Train,
             args=rest,
             prog=f"flexdepth train {name}",
-            default=Train(CATALOGUE[name], Path("runs") / name),
+            default=Train(named, Path("runs") / Path(name).stem),
             config=(tyro.conf.AvoidSubcommands,),
         )
-    experiment = settings.experiment
+    experiment = with_own_held_out(named, settings.experiment)
     if settings.encoder_weights is not None:
         experiment = replace(experiment, start=ImageNet(settings.encoder_weights))
     if settings.start is not None:
-        experiment = replace(experiment, start=_start(settings.start))
+        experiment = replace(experiment, start=start_of(settings.start, "--start"))
+    if settings.unlabelled is not None:
+        teacher = start_of(settings.teacher, "--teacher")
+        labels = Labels(settings.unlabelled, teacher, Agreement(settings.agreement))
+        experiment = replace(experiment, labels=labels)
     run_experiment(experiment, settings.output_dir, settings.processes, _say)
     return 0
 
 
-def _start(weights: str) -> Start:
-    match weights, Path(weights).suffix:
-        case "bundled", _:
-            return Bundled()
-        case "imagenet", _:
-            return ImageNet()
-        case _, ".onnx":
-            return Bundled(Path(weights))
-        case _, ".safetensors":
-            return Trained(Path(weights))
-    raise InputError(
-        f"--start: wanted bundled, imagenet, a .onnx bundle or a .safetensors checkpoint, "
-        f"got {weights!r}"
-    )
+def _page() -> str:
+    return _PAGE.format(experiments="\n".join(f"  {name}" for name in CATALOGUE))
 
 
 def _say(line: str) -> None:

@@ -34,7 +34,8 @@ class Look:
         levels: How many different depths there are among 20,000 of them.
         pixels: How many pixels have depth.
         digest: Of the truth's bytes.
-        ratio: Median of truth by prediction; NaN where there is none.
+        ratio: Median of truth by prediction, for an assumed lens where no camera is known; NaN
+            where there is none.
         correlation: Of the logarithms of truth and prediction; NaN where there is none.
         agreement: Of edges, by shift, as `registration.agreement`.
         angles: As `perpendicular.right_angles`.
@@ -104,8 +105,8 @@ def _compared(pair: Pair, predict: Predict) -> tuple[float, float, NDArray[np.fl
         logs[0] *= -1
     if np.isfinite(logs).all(axis=0).sum() < 100:
         return np.nan, np.nan, None
-    known = truth.space is Space.METRIC and truth.intrinsics is not None
-    ratio = float(np.exp(np.nanmedian(logs[0] - logs[1]))) if known else np.nan
+    metric = truth.space is Space.METRIC
+    ratio = float(np.exp(np.nanmedian(logs[0] - logs[1]))) if metric else np.nan
     places = np.ix_(
         *(
             ((np.arange(n) + 0.5) * side / n).astype(int)

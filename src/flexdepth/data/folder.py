@@ -9,7 +9,7 @@ Every depth file says its unit and its camera; pairs share their NAME.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,21 +43,31 @@ class Folder:
 
     Attributes:
         root: The folder that holds `image` and `depth`.
+        part: `last` is the last tenth of the pairs by name, at least one, `first` the others: what
+            is held out, and what is learnt from. Neighbours in a sequence stay together.
     """
 
     root: Path = Path()
+    part: Literal["all", "first", "last"] = "all"
 
     def load(self) -> "FolderPairs":
         """Return the pairs, sorted by name.
 
         Raises:
-            InputError: The folder or a part of it is missing or empty, or an image or a depth
-                file has no partner.
+            InputError: The folder or a part of it is missing or empty, an image or a depth file
+                has no partner, or a single pair was to be divided.
         """
         images = _by_stem(self.root / "image", is_picture_name)
         depths = _by_stem(self.root / "depth", lambda p: p.suffix.lower() in SUFFIXES.values())
         check_partners(images, depths, "image/NAME needs a depth/NAME and the other way round")
-        return FolderPairs(tuple((images[stem], depths[stem]) for stem in sorted(images)))
+        pairs = tuple((images[stem], depths[stem]) for stem in sorted(images))
+        last = max(1, len(pairs) // 10)
+        if self.part != "all" and last == len(pairs):
+            raise InputError(
+                f"{self.root}: holds a single pair, which cannot be both learnt from and held out"
+            )
+        parts = {"all": pairs, "first": pairs[:-last], "last": pairs[-last:]}
+        return FolderPairs(parts[self.part])
 
 
 @dataclass(frozen=True)

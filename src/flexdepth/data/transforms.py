@@ -1,4 +1,4 @@
-"""From a stored pair to a training sample: crop, size, mirror, colour.
+"""From a stored pair to a training sample: crop, size, mirror. Colour is `data/colour.py`.
 
 Whatever moves the pixels moves image, depth and camera together. Depth stays in metres: a crop
 does not bring the world nearer, it makes the focal length longer in image diagonals. Only `shrunk`
@@ -47,49 +47,6 @@ class Crop:
         box = (int(left), int(top), across, down)
         cut = resized(cropped(pair, box), width, height)
         return mirrored(cut) if rng.random() < 0.5 else cut
-
-
-@dataclass(frozen=True)
-class Colour:
-    """Random brightness, contrast, saturation, tint, gamma; at times grey, blur, noise, a frame.
-
-    Attributes:
-        strength: 1 is what photographs differ by; 0 leaves them alone.
-        framed: Share of images with a plain frame over their edges, as scans and the pictures of
-            some sensors have; the depth behind it stays what it is.
-    """
-
-    strength: float = 1.0
-    framed: float = 0.12
-
-    def __call__(self, rng: Generator, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """Return the image in another light, through another camera."""
-        s = self.strength
-        x: NDArray[np.floating] = image.astype(np.float32) / np.float32(255)
-        x = x ** float(np.exp(s * rng.normal(0, 0.18)))
-        x = x * np.exp(s * (rng.normal(0, 0.12) + rng.normal(0, 0.06, 3))).astype(np.float32)
-        grey = x @ np.array([0.299, 0.587, 0.114], np.float32)
-        saturation = 0.0 if rng.random() < 0.1 * s else float(np.exp(s * rng.normal(0, 0.3)))
-        x = grey[..., None] + saturation * (x - grey[..., None])
-        x = 0.5 + (x - 0.5) * float(np.exp(s * rng.normal(0, 0.15)))
-        if rng.random() < 0.25 * s:
-            x = np.asarray(cv2.GaussianBlur(x.astype(np.float32), (0, 0), rng.uniform(0.3, 1.2)))
-        if rng.random() < 0.25 * s:
-            x = x + rng.normal(0, rng.uniform(0, 0.04), x.shape)
-        if rng.random() < self.framed * s:
-            x = _framed(rng, x)
-        return np.asarray((255 * np.clip(x, 0, 1)).round(), np.uint8)
-
-
-def _framed(rng: Generator, image: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Return the image with up to a twentieth of each side white, black or grey."""
-    height, width = image.shape[:2]
-    top, bottom = rng.integers(0, height // 20 + 1, 2)
-    left, right = rng.integers(0, width // 20 + 1, 2)
-    out = np.full_like(image, rng.choice([0.0, 0.5, 1.0], p=[0.4, 0.1, 0.5]))
-    inside = slice(top, height - bottom), slice(left, width - right)
-    out[inside] = image[inside]
-    return out
 
 
 def cropped(pair: Pair, box: tuple[int, int, int, int]) -> Pair:

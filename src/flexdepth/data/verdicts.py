@@ -18,6 +18,12 @@ from flexdepth.data.perpendicular import FACTORS
 from flexdepth.data.registration import REACH, reduction
 from flexdepth.runtime.depthmap import Space
 
+_MARGIN = 3.5
+"""So many times too large or too small depth may be before it is a finding."""
+
+_LENS = 2.0
+"""And so many times more where the lens is assumed: 35 or 90 degrees are not 60."""
+
 _SLIPS = MappingProxyType(
     {
         1000 / 256: "1/256 m and millimetres",
@@ -100,14 +106,16 @@ def repeated(looks: Sequence[Look]) -> Finding:
 
 def scale(looks: Sequence[Look]) -> Finding:
     """Say whether depth is off by a factor, compared to what the bundled model takes it for."""
-    ratios = [
-        look.ratio for look in looks if look.space is Space.METRIC and np.isfinite(look.ratio)
-    ]
-    if not ratios:
-        return Finding("depth scale", Verdict.UNJUDGED, "wants metric depth and a camera")
-    ratio = float(np.median(ratios))
-    text = f"depth is {ratio:.3g} times what the model sees (median of {len(ratios)})"
-    if 1 / 3.5 < ratio < 3.5:
+    judged = [look for look in looks if look.space is Space.METRIC and np.isfinite(look.ratio)]
+    if not judged:
+        return Finding("depth scale", Verdict.UNJUDGED, "wants metric depth")
+    ratio = float(np.median([look.ratio for look in judged]))
+    text = f"depth is {ratio:.3g} times what the model sees (median of {len(judged)})"
+    margin = _MARGIN
+    if any(look.camera is None for look in judged):
+        margin *= _LENS
+        text += ", for a lens of 60 degrees, as no camera is known"
+    if 1 / margin < ratio < margin:
         return Finding("depth scale", Verdict.FINE, text)
     if order(looks).verdict is Verdict.FOUND:
         return Finding("depth scale", Verdict.UNJUDGED, f"{text}; see near and far first")

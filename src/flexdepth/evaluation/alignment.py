@@ -81,7 +81,7 @@ def check_alignment(space: Space, alignment: Alignment) -> None:
         enough = ", ".join(a for a in Alignment if a in _ENOUGH[space])
         raise InputError(
             f"alignment {alignment} does not undo what a prediction in the space {space} "
-            f"leaves open; choose one of: {enough}"
+            f"leaves open; choose one of: {enough} (--alignment, or a protocol that fits so)"
         )
 
 

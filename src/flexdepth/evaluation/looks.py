@@ -1,42 +1,38 @@
 """The ways of looking twice, once in a mirror, that published figures were made with.
 
-Each is a `flexdepth.runtime.predictor.Look`: a network and pictures to depth and sky. The
-runtime's own, `mirrored_too`, takes the geometric mean.
+Each is a `flexdepth.runtime.predictor.Look`: a network and pictures to an answer. The runtime's
+own, `mirrored_too`, takes the geometric mean.
 """
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdepth.runtime.answer import Answer, Reals
 from flexdepth.runtime.model import Model
-from flexdepth.runtime.predictor import Look, mirrored_too, once
-
-_Reals: TypeAlias = NDArray[np.float32]
+from flexdepth.runtime.predictor import Look, in_mirror, mirrored_too, once
 
 _ONE, _TWO = np.float32(1), np.float32(2)
 
 
-def mean_of_mirrored(model: Model, images: _Reals) -> tuple[_Reals, _Reals]:
+def mean_of_mirrored(model: Model, images: Reals) -> Answer:
     """Return the mean of the depths of two looks.
 
     References:
         Lee et al., BTS, 2019, and AdaBins' evaluate.py; the latter clips each look first.
     """
-    (depth, sky), (mirrored, sky_mirrored) = model.run(images), _mirrored(model, images)
-    return (depth + mirrored) / _TWO, (sky + sky_mirrored) / _TWO
+    seen, mirrored = model.run(images), in_mirror(model, images)
+    return seen.joined(mirrored, (seen.depth + mirrored.depth) / _TWO)
 
 
-def ramp_of_mirrored(model: Model, images: _Reals) -> tuple[_Reals, _Reals]:
+def ramp_of_mirrored(model: Model, images: Reals) -> Answer:
     """Return monodepth's post-processing (_PP) of two looks, which it does in disparity."""
-    (depth, sky), (mirrored, sky_mirrored) = model.run(images), _mirrored(model, images)
-    disparity = blended(_ONE / depth, _ONE / mirrored)
-    return _ONE / disparity, (sky + sky_mirrored) / _TWO
+    seen, mirrored = model.run(images), in_mirror(model, images)
+    return seen.joined(mirrored, _ONE / blended(_ONE / seen.depth, _ONE / mirrored.depth))
 
 
-def blended(seen: _Reals, mirrored: _Reals) -> _Reals:
+def blended(seen: Reals, mirrored: Reals) -> Reals:
     """Return monodepth's blend of two disparities: near each side border, one of them alone.
 
     Stereo training leaves a ramp at the left border of what is seen, and in a mirror at the
@@ -55,11 +51,6 @@ def blended(seen: _Reals, mirrored: _Reals) -> _Reals:
     right = left[::-1]
     mean = (seen + mirrored) / _TWO
     return np.asarray(right * seen + left * mirrored + (1 - left - right) * mean, np.float32)
-
-
-def _mirrored(model: Model, images: _Reals) -> tuple[_Reals, _Reals]:
-    depth, sky = model.run(np.ascontiguousarray(images[..., ::-1]))
-    return depth[..., ::-1], sky[..., ::-1]
 
 
 LOOKS: Mapping[str, Look] = MappingProxyType(

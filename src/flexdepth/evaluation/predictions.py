@@ -13,10 +13,10 @@ from flexdepth.data.views import OrdinalPair
 from flexdepth.evaluation.region import Region
 from flexdepth.runtime.depthmap import DepthMap, Space
 from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.estimator import Estimator
 from flexdepth.runtime.files import SUFFIXES, read_depth, read_origin, read_stated, write_depth
 from flexdepth.runtime.images import Photo
 from flexdepth.runtime.outputs import is_made
-from flexdepth.runtime.predictor import Predictor
 
 _PICTURES = (".preview.png", ".normals.png")
 
@@ -90,12 +90,18 @@ class PredictionFolder:
         else:
             raise InputError(
                 f"{self.folder}: there is no prediction for the image {pair.name}; looked for "
-                f"{pair.name}{'|'.join(SUFFIXES.values())} (--match order takes files by their "
-                f"order instead)"
+                f"{pair.name}{'|'.join(SUFFIXES.values())} {self._elsewhere(pair.name)}"
             )
         if self.stated is None:
             return read_depth(path)
         return read_stated(path, self.stated.space, self.stated.scale)
+
+    def _elsewhere(self, name: str) -> str:
+        """Return where else the prediction of an image might be."""
+        below = next((path for path in self.paths.values() if path.stem == name), None)
+        if below is not None:
+            return f"(there is {below}: name the folder {below.parent})"
+        return "(--match order takes files by their order instead)"
 
     @property
     def about(self) -> Mapping[str, object]:
@@ -162,7 +168,7 @@ class ModelPredictions:
         overwrite: Replace what lies in the place of a prediction and is none of these.
     """
 
-    predictor: Predictor
+    predictor: Estimator
     cache: Path
     overwrite: bool = False
 
@@ -180,11 +186,9 @@ class ModelPredictions:
         origin = {
             "input": f"sha256:{hashlib.sha256(pixels.tobytes()).hexdigest()}",
             "size": f"{box.size[1]}x{box.size[0]}",
-            "model": f"sha256:{self.predictor.model.digest}",
+            "model": f"sha256:{self.predictor.about.digest}",
+            **self.predictor.settings,
             "lens": str(focal),
-            "look": self.predictor.look.__name__,
-            "long_side": str(self.predictor.long_side or "by area"),
-            "tiles": str(self.predictor.tiles),
         }
         path = self.cache / view.label / f"{pair.name}.npz"
         if not self.overwrite and is_made(path, origin, read_origin):
@@ -196,15 +200,14 @@ class ModelPredictions:
     @property
     def about(self) -> Mapping[str, object]:
         """The model and how it looks at pictures."""
-        model = self.predictor.model
+        model, settings = self.predictor.about, dict(self.predictor.settings)
+        settings.pop("lens")  # the set's own, which differs from image to image
         return {
-            "name": model.description.name,
-            "version": model.description.version,
-            "licence": model.description.licence,
+            "name": model.name,
+            "version": model.version,
+            "licence": model.licence,
             "sha256": model.digest,
-            "look": self.predictor.look.__name__,
-            "long_side": self.predictor.long_side,
-            "tiles": self.predictor.tiles,
+            **settings,
         }
 
 

@@ -42,7 +42,7 @@ def at_size_of_truth(
     if values.shape != box.size:
         _check_shape(values.shape, box.size)
         values = resized(values, box.size, protocol.resize, prediction.space)
-    return replace(prediction, values=_placed(values, box, shape))
+    return replace(prediction, values=_placed(values, box, shape), spread=None)
 
 
 def resized(values: _Reals, size: tuple[int, int], how: Resize, space: Space) -> _Reals:

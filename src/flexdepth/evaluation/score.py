@@ -97,10 +97,11 @@ class Seen:
     valid: NDArray[np.bool_]
 
     def only_scored(self) -> "Seen":
-        """Return the scored pixels alone, in one row."""
+        """Return the scored pixels alone, in one row, and nothing of how sure they are."""
         values = self.prediction.values[self.valid][None]
         row = self.truth[self.valid][None]
-        return Seen(replace(self.prediction, values=values), row, np.ones(row.shape, bool))
+        scored = replace(self.prediction, values=values, spread=None)
+        return Seen(scored, row, np.ones(row.shape, bool))
 
 
 def video_of(name: str) -> str:

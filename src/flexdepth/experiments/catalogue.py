@@ -2,13 +2,23 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
 
-from flexdepth.experiments.chapter3 import CHAPTER3_SMALL, KITTI, NYU_LARGE, NYU_SMALL
+from flexdepth.experiments.chapter3 import (
+    CHAPTER3_SHORT,
+    CHAPTER3_SMALL,
+    KITTI,
+    NYU_LARGE,
+    NYU_SMALL,
+)
 from flexdepth.experiments.experiment import Experiment, Trained
+from flexdepth.experiments.pca import PCA_NYU, PCA_RENDERS
 from flexdepth.experiments.run import BEST
+from flexdepth.experiments.yaml_files import read_experiment
 from flexdepth.losses import GradientMatching
+from flexdepth.runtime.errors import InputError
 from flexdepth.training.batches import BatchSettings
 from flexdepth.training.loop import LoopSettings
 from flexdepth.training.objective import Term
@@ -39,7 +49,29 @@ CATALOGUE: Mapping[str, Experiment] = MappingProxyType(
         "nyu-small": NYU_SMALL,
         "kitti": KITTI,
         "chapter3-small": CHAPTER3_SMALL,
+        "chapter3-short": CHAPTER3_SHORT,
+        "pca": PCA_RENDERS,
+        "pca-nyu": PCA_NYU,
     }
 )
 """`compact` learns from small images; `compact-large` goes on at the size of predictions, with more
-weight on edges. The others are the training of chapter 3."""
+weight on edges. The others are the trainings of chapter 3."""
+
+
+def experiment_named(name: str) -> Experiment:
+    """Return an experiment of the catalogue, or the one in a .yaml file.
+
+    Raises:
+        InputError: There is no such experiment or file, or it holds anything else.
+    """
+    if Path(name).suffix in {".yaml", ".yml"}:
+        return read_experiment(Path(name), CATALOGUE)
+    if name not in CATALOGUE:
+        near = get_close_matches(name, CATALOGUE, n=1)
+        hint = (
+            f"did you mean {near[0]!r}?"
+            if near
+            else f"choose one of {sorted(CATALOGUE)} or a .yaml file"
+        )
+        raise InputError(f"no experiment {name!r}; {hint}")
+    return CATALOGUE[name]

@@ -8,7 +8,7 @@ from flexdepth.codec import Codec
 from flexdepth.data import Data, Folder
 from flexdepth.data.recipes import Recipe
 from flexdepth.data.transforms import Crop
-from flexdepth.losses import GradientMatching, Loss, Silog, Sky
+from flexdepth.losses import Focal, GradientMatching, Loss, Silog, Sky, SpreadQuantiles
 from flexdepth.networks import Network
 from flexdepth.networks.compact import Compact
 from flexdepth.networks.extended import Branch
@@ -17,6 +17,7 @@ from flexdepth.networks.merge import Coefficient
 from flexdepth.training.loop import LoopSettings
 from flexdepth.training.objective import Term
 from flexdepth.training.optimiser import AdamWCosine, Optimiser
+from flexdepth.training.semi_supervised import Agreement
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,22 @@ class Untrained:
 Start = ImageNet | Trained | Bundled | Untrained
 """Where the weights come from."""
 
+
+@dataclass(frozen=True)
+class Labels:
+    """Photos without depth, which a trained model labels before the training begins.
+
+    Attributes:
+        photos: The folder that they lie in.
+        teacher: Where the weights of the model come from: `Bundled` or `Trained`.
+        agreement: Where the teacher is sure; elsewhere there is no label.
+    """
+
+    photos: Path
+    teacher: Start = field(default_factory=Bundled)
+    agreement: Agreement = field(default_factory=Agreement)
+
+
 CODEC = Codec(
     (Start, Data, Loss, Coefficient, Branch, DepthHead, Recipe, Network, Optimiser),
     {
@@ -79,6 +96,8 @@ def _terms() -> Mapping[str, Term]:
         "silog": Term(Silog(0.5), 1.0),
         "gradient": Term(GradientMatching(), 0.5),
         "sky": Term(Sky(), 0.1),
+        "spread": Term(SpreadQuantiles(), 0.1),
+        "focal": Term(Focal(), 0.1),
     }
 
 
@@ -94,6 +113,7 @@ class Experiment:
         loop: How long and how.
         start: Where the weights come from.
         seed: Of the weights that do not come pretrained.
+        labels: Photos that are trained on beside `data`; None takes measured depth alone.
     """
 
     network: Network = field(default_factory=Compact)
@@ -103,3 +123,4 @@ class Experiment:
     loop: LoopSettings = field(default_factory=LoopSettings)
     start: Start = field(default_factory=ImageNet)
     seed: int = 0
+    labels: Labels | None = None

@@ -1,15 +1,18 @@
-"""Giving a network the weights that its training starts with."""
+"""Giving a network the weights, and the basis, that its training starts with."""
 
 from collections.abc import Mapping
 
 from torch import Tensor, nn
 
+from flexdepth.data.transforms import as_sample
 from flexdepth.experiments.experiment import Bundled, ImageNet, Start, Trained, Untrained
 from flexdepth.export import bundled_weights
 from flexdepth.networks import Built
 from flexdepth.networks.edrb import EDRBNetwork
+from flexdepth.networks.pca import PCANetwork
 from flexdepth.networks.pretrained import load_imagenet
 from flexdepth.runtime.errors import InputError
+from flexdepth.training.batches import Pairs
 from flexdepth.training.checkpoint import load, restore
 
 
@@ -34,6 +37,30 @@ def give_weights(network: Built, start: Start) -> None:
         case Bundled(bundle):
             where = "the bundled model" if bundle is None else str(bundle)
             restore(network, _as_stored(network, bundled_weights(bundle)), where)
+
+
+def give_basis(network: Built, pairs: Pairs) -> str | None:
+    """Give a PCA network that has no basis that of the training data.
+
+    Args:
+        network: Any; the others are left alone.
+        pairs: Their depth is looked at, all of it, once.
+
+    Returns:
+        What a person should hear of it; None where there was nothing to do.
+
+    Raises:
+        InputError: There are fewer than two maps with known depth.
+    """
+    if not isinstance(network, PCANetwork) or bool(network.mean.isfinite().all()):
+        return None
+    basis = network.settings.fit(as_sample(pairs[number]) for number in range(len(pairs)))
+    network.adopt(basis)
+    share = float(basis.explained()[-1])
+    return (
+        f"of the depth of {basis.count} images, {len(basis.components)} components explain "
+        f"{share:.1%}"
+    )
 
 
 def _as_stored(network: nn.Module, weights: Mapping[str, Tensor]) -> dict[str, Tensor]:

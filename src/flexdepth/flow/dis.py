@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from flexdepth.flow.field import Flow, FlowField, checked, sampled
+from flexdepth.flow.field import Flow, FlowField, checked, likeness
 from flexdepth.flow.frames import Image, gray_pair
 from flexdepth.runtime.errors import InputError
 
@@ -56,11 +56,11 @@ class Dis:
                 f"back, {_ENOUGH:.0%} are wanted; is there a cut between them? take frames that "
                 "see the same scene, closer in time"
             )
-        likeness = _likeness(one, other, found)
-        if not likeness >= _ALIKE:  # NaN where nothing that is matched has texture.
+        alike = likeness(one, other, found)
+        if not alike >= _ALIKE:  # NaN where nothing that is matched has texture.
             raise InputError(
                 f"what is matched looks different in the two frames: its grays correlate by "
-                f"{likeness:.2f}, {_ALIKE} is wanted; is there a cut between them? take frames "
+                f"{alike:.2f}, {_ALIKE} is wanted; is there a cut between them? take frames "
                 "that see the same scene"
             )
         return found
@@ -70,11 +70,3 @@ class Dis:
         search.setFinestScale(self.finest)
         search.setVariationalRefinementIterations(self.refinements)
         return np.asarray(search.calc(one, other, np.zeros((*one.shape, 2), np.float32)))
-
-
-def _likeness(one: Image, other: Image, field: FlowField) -> float:
-    """Return how the grays of the valid pixels correlate with those where they have gone."""
-    there = sampled(other.astype(np.float32)[..., None], field.flow)[..., 0]
-    seen = field.valid & np.isfinite(there)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return float(np.corrcoef(one[seen], there[seen])[0, 1])

@@ -120,3 +120,21 @@ def sampled(values: NDArray[np.float32], shift: Flow) -> NDArray[np.float32]:
     )
     channels = moved.reshape(height, width, -1)
     return np.where(inside[..., None], channels, np.float32(np.nan)).astype(np.float32)
+
+
+def likeness(key: NDArray[np.uint8], target: NDArray[np.uint8], field: FlowField) -> float:
+    """Return how the grays of the valid pixels correlate with those where they have gone.
+
+    1 is alike; NaN where nothing that is valid has texture, or stays in the picture.
+
+    Args:
+        key: Gray.
+        target: Gray.
+        field: From key to target.
+    """
+    there = sampled(target.astype(np.float32)[..., None], field.flow)[..., 0]
+    seen = field.valid & np.isfinite(there)
+    if not seen.any():
+        return float("nan")
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return float(np.corrcoef(key[seen], there[seen])[0, 1])

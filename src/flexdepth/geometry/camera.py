@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import hypot
 
 import torch
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from torch import Tensor
 
 
@@ -40,6 +40,25 @@ class Camera:
         """Return the camera of the image, `width` pixels wide, mirrored left to right."""
         across, down = self.centre.unbind(-1)
         return Camera(self.focal, torch.stack([width - across, down], -1))
+
+    def unproject(
+        self, pixels: Float[Tensor, "*batch points 2"]
+    ) -> Float[Tensor, "*batch points 3"]:
+        """Return the rays K⁻¹ (u, v, 1) through points of the picture: z = 1."""
+        across = (pixels - self.centre[..., None, :]) / self.focal[..., None, :]
+        return torch.cat([across, torch.ones_like(across[..., :1])], -1)
+
+    def project(
+        self, points: Float[Tensor, "*batch points 3"]
+    ) -> tuple[Float[Tensor, "*batch points 2"], Bool[Tensor, "*batch points"]]:
+        """Return where points are in the picture, pixels, and whether they are ahead of the camera.
+
+        Where a point is not ahead, its place means nothing; it is finite.
+        """
+        ahead = points[..., 2] > 0
+        z = points[..., 2:].where(ahead[..., None], 1.0)
+        place = points[..., :2] / z * self.focal[..., None, :] + self.centre[..., None, :]
+        return place, ahead
 
     def focal_in_diagonals(self, width: int, height: int) -> Float[Tensor, "*batch"]:
         """Return the focal length divided by the image's diagonal: 0.6 for a typical phone.

@@ -1,4 +1,4 @@
-"""The base network of chapter 3 and its variants with attention-guided merges (AGA).
+"""The base network of chapter 3 and its variants with adaptive geometric attention (AGA).
 
 An encoder, a pyramid of dilated convolutions on its coarsest features, and a decoder that merges
 the encoder's features in four stages, coarsest first; depth is one of many bins.

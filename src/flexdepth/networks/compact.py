@@ -8,6 +8,7 @@ from torch.nn.functional import interpolate
 
 from flexdepth.networks.attention import ChannelAttention
 from flexdepth.networks.blocks import BatchNorm, DilatedResidual, projection, start_as_xavier
+from flexdepth.networks.certainty import FocalLength, Spread
 from flexdepth.networks.encoders import Encoder
 from flexdepth.networks.heads import LogDepth
 from flexdepth.networks.merge import Coefficient, Merge, SpatialPlusChannelAttention
@@ -16,7 +17,7 @@ from flexdepth.sample import Prediction
 
 @dataclass(frozen=True)
 class Compact:
-    """Depth and sky of one image, fast enough for two cores.
+    """Depth and sky of one image, how sure that is, and the lens; fast enough for two cores.
 
     The depth is canonical: what it would be, in metres, had the image been taken with a focal
     length of `canonical_focal` image diagonals. A picture does not tell its focal length, so
@@ -29,6 +30,8 @@ class Compact:
         block: What refines the merged features.
         norm: The normalisation of the projections.
         head: What the last map means.
+        spread: What says how far off depth may be.
+        focal: What says which lens took the image.
         canonical_focal: In image diagonals.
     """
 
@@ -42,6 +45,8 @@ class Compact:
     )
     norm: BatchNorm = field(default_factory=BatchNorm)
     head: LogDepth = field(default_factory=LogDepth)
+    spread: Spread = field(default_factory=Spread)
+    focal: FocalLength = field(default_factory=FocalLength)
     canonical_focal: float = 0.8
 
     def build(self) -> "CompactNetwork":
@@ -66,15 +71,18 @@ class CompactNetwork(nn.Module):
         for part in (self.top, self.context, self.levels):
             start_as_xavier(part)
         self.head = settings.head.build(settings.widths[-1])
+        self.spread = settings.spread.build(settings.widths[-1])
+        self.focal = settings.focal.build(top)
 
     def forward(self, image: Float[Tensor, "batch 3 height width"]) -> Prediction:
-        """Return canonical depth, the sky's logit and the attention of each merge.
+        """Return canonical depth, sky, spread, focal length and the attention of each merge.
 
         Args:
             image: RGB in [0, 1]; height and width are multiples of 32.
         """
         *laterals, coarsest = self.encoder(image)
         features = self.top(coarsest)
+        focal = self.focal(features)
         features = features + self.context(features.mean((-2, -1), keepdim=True))
         attention = []
         for level, lateral in zip(self.levels, reversed(laterals), strict=True):
@@ -86,6 +94,8 @@ class CompactNetwork(nn.Module):
             canonical_focal=self.settings.canonical_focal,
             sky_logit=sky_logit,
             attention=tuple(a for a in attention if a is not None),
+            spread=self.spread(features),
+            focal=focal,
         )
 
 

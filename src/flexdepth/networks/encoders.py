@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from types import MappingProxyType
 from typing import Any
 
@@ -64,9 +65,9 @@ class Encoder:
                 without this stride.
         """
         if not timm.is_model(self.name):
-            raise InputError(
-                f"no encoder {self.name!r} in timm {timm.__version__}; see timm.list_models()"
-            )
+            near = get_close_matches(self.name.partition(".")[0], timm.list_models(), n=1)
+            hint = f"did you mean {near[0]!r}?" if near else "see timm.list_models()"
+            raise InputError(f"no encoder {self.name!r} in timm {timm.__version__}; {hint}")
         return FeatureEncoder(self, maps)
 
 

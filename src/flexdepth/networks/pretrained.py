@@ -16,6 +16,7 @@ from safetensors.torch import load_file
 from torch import Tensor
 
 from flexdepth.networks.encoders import FeatureEncoder
+from flexdepth.networks.torchvision_names import timm_names
 from flexdepth.runtime.errors import InputError
 
 _LITE0 = "tf_efficientnet_lite0"
@@ -50,15 +51,17 @@ def load_imagenet(encoder: FeatureEncoder, file: Path | None = None) -> None:
 
     Args:
         encoder: Takes what it has of that network; the classifier is left over.
-        file: Weights under timm's names, .safetensors or .pth. None takes those of the package
-            that holds them, or asks timm, which downloads them.
+        file: Weights under timm's or torchvision's names, .safetensors or .pth. None takes those of
+            the package that holds them, or asks timm, which downloads them.
 
     Raises:
         InputError: The weights cannot be had, or are of another network.
     """
     name = encoder.settings.name
     if file is not None:
-        _take(encoder, read_weights(file), str(file))
+        found = read_weights(file)
+        names = timm_names(name, found)
+        _take(encoder, {names[key]: weight for key, weight in found.items()}, str(file))
     elif name == _LITE0:
         _take(encoder, imagenet_weights(), _LITE0_PACKAGE)
     else:
@@ -77,7 +80,12 @@ def read_weights(file: Path) -> dict[str, Tensor]:
         if file.suffix == ".safetensors":
             return load_file(file)
         weights = torch.load(file, map_location="cpu", weights_only=True)
-    except (SafetensorError, UnpicklingError, RuntimeError, EOFError, OSError) as error:
+    except UnpicklingError as error:
+        raise InputError(
+            f"{file}: not a readable file of weights: it is none of torch.save, or holds more than "
+            "tensors, which may run code when it is read; save the plain weights as .safetensors"
+        ) from error
+    except (SafetensorError, RuntimeError, EOFError, OSError) as error:
         reason = str(error).strip().partition("\n")[0]
         raise InputError(f"{file}: not a readable file of weights ({reason})") from error
     if not isinstance(weights, dict) or not all(isinstance(x, Tensor) for x in weights.values()):

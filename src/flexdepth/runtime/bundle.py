@@ -34,6 +34,8 @@ class Description:
         canonical_focal: The focal length, in diagonals of the image, for which `depth` is
             metres.
         source: How the weights were made.
+        scale_spread: The relative standard deviation of metres by one factor for the whole map,
+            the focal length being known; None where nobody has measured it.
     """
 
     name: str
@@ -44,6 +46,7 @@ class Description:
     multiple: int
     canonical_focal: float
     source: str
+    scale_spread: float | None = None
 
 
 def read_description(text: str, file: Path) -> Description:
@@ -68,6 +71,8 @@ def read_description(text: str, file: Path) -> Description:
             f"another version of flexdepth reads it"
         )
     for name, (fits, wanted) in _FIELDS.items():
+        if name in _OPTIONAL and fields.get(name) is None:
+            continue
         if name not in fields or not fits(fields[name]):
             got = repr(fields[name]) if name in fields else "nothing"
             raise InputError(f"{file}: metadata `{name}`: wanted {wanted}, got {got}")
@@ -76,6 +81,7 @@ def read_description(text: str, file: Path) -> Description:
         space=Space(fields["space"]),
         area=(fields["area"][0], fields["area"][1]),
         canonical_focal=float(fields["canonical_focal"]),
+        scale_spread=fields.get("scale_spread"),
     )
 
 
@@ -91,7 +97,7 @@ def _is_area(value: object) -> bool:
     return isinstance(value, list) and len(value) == 2 and all(map(_is_side, value))
 
 
-def _is_focal(value: object) -> bool:
+def _is_positive(value: object) -> bool:
     return type(value) in (int, float) and isfinite(value) and value > 0  # type: ignore[arg-type, operator]
 
 
@@ -105,6 +111,8 @@ _FIELDS: Mapping[str, tuple[Callable[[object], bool], str]] = MappingProxyType(
         "space": (lambda value: value in (Space.METRIC, Space.SCALE), "'metric' or 'scale'"),
         "area": (_is_area, f"[width, height], each 1 to {_LARGEST_SIDE}"),
         "multiple": (_is_side, f"a whole number, 1 to {_LARGEST_SIDE}"),
-        "canonical_focal": (_is_focal, "a number > 0"),
+        "canonical_focal": (_is_positive, "a number > 0"),
+        "scale_spread": (_is_positive, "a number > 0"),
     }
 )
+_OPTIONAL = ("scale_spread",)

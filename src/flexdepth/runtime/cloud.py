@@ -31,8 +31,10 @@ from flexdepth.runtime.surface import (
 
 __all__ = [
     "MAX_POINTS",
+    "UNSURE",
     "Cloud",
     "Mesh",
+    "Shown",
     "mesh",
     "normals",
     "normals_picture",
@@ -40,6 +42,10 @@ __all__ = [
     "write_glb",
     "write_ply",
 ]
+
+UNSURE = 0.3
+"""A pixel whose depth has a larger relative standard deviation is no point: its place in space is
+not known, and the few that are so stand out as clutter."""
 
 MAX_POINTS = 2_000_000
 """A larger map is thinned evenly below so many points: enough to look at, small enough to open."""
@@ -74,6 +80,19 @@ class Mesh:
 
 
 @dataclass(frozen=True, eq=False)
+class Shown:
+    """Points with something drawn among them, such as arrows.
+
+    Attributes:
+        cloud: The points.
+        drawn: Surfaces in the same coordinates; may be empty.
+    """
+
+    cloud: Cloud
+    drawn: Mesh
+
+
+@dataclass(frozen=True, eq=False)
 class _Grid:
     """Every n-th pixel of a map, as points, and which of them are to be shown."""
 
@@ -86,8 +105,9 @@ class _Grid:
 def points(depth_map: DepthMap, colours: NDArray[np.uint8], max_points: int = MAX_POINTS) -> Cloud:
     """Return the points that the pixels see, row by row.
 
-    Left out are sky, unknown and non-positive depth, and flying pixels (`surface.flying`). A map
-    of more than `max_points` pixels gives every n-th pixel of every n-th row.
+    Left out are sky, unknown and non-positive depth, flying pixels (`surface.flying`), and pixels
+    whose spread is more than `UNSURE`. A map of more than `max_points` pixels gives every n-th
+    pixel of every n-th row.
 
     Args:
         depth_map: Metric or known up to scale, with a camera.
@@ -159,11 +179,16 @@ def _grid(depth_map: DepthMap, colours: NDArray[np.uint8], max_points: int) -> _
     positions = rays(rows[:, None], columns[None, :], camera)
     visible = np.isfinite(depth) & (depth > 0)
     positions *= np.where(visible, depth, np.nan)[..., None]
-    return _Grid(inverse_depth(depth), positions, colours[at], visible & ~flying(depth))
+    shown = visible & ~flying(depth)
+    if depth_map.spread is not None:
+        shown &= ~(depth_map.spread[at] > UNSURE)
+    return _Grid(inverse_depth(depth), positions, colours[at], shown)
 
 
-def write_ply(path: Path, shape: Cloud | Mesh, origin: Origin | None = None) -> None:
+def write_ply(path: Path, shape: Cloud | Mesh | Shown, origin: Origin | None = None) -> None:
     """Write a binary little-endian PLY: x right, y down, z forward, colours as in the picture.
+
+    What is drawn among points follows them in the one list of vertices that a PLY has.
 
     Args:
         path: The file to make or to replace; it appears whole or not at all.
@@ -173,14 +198,15 @@ def write_ply(path: Path, shape: Cloud | Mesh, origin: Origin | None = None) -> 
     Raises:
         InputError: There is not a single point, or the file cannot be written.
     """
-    whole = _trimesh(path, shape, shape.positions, shape.colours)
+    one = _joined(shape) if isinstance(shape, Shown) else shape
+    whole = _trimesh(path, one, one.positions, one.colours)
     content = cast(bytes, whole.export(file_type="ply"))
     header, end, numbers = content.partition(b"end_header\n")
     with replacing(path) as temporary, temporary.open("wb") as file:
         file.writelines((header, ply_comment(origin) if origin else b"", end, numbers))
 
 
-def write_glb(path: Path, shape: Cloud | Mesh, origin: Origin | None = None) -> None:
+def write_glb(path: Path, shape: Cloud | Mesh | Shown, origin: Origin | None = None) -> None:
     """Write a binary glTF: y up, −z forward, which turns a point into (x, −y, −z).
 
     The colours are stored linear, as glTF wants them at vertices, and unlit: the photo already
@@ -194,8 +220,14 @@ def write_glb(path: Path, shape: Cloud | Mesh, origin: Origin | None = None) -> 
     Raises:
         InputError: There is not a single point, or the file cannot be written.
     """
-    positions = shape.positions * np.array([1, -1, -1], np.float32)
-    scene = _trimesh(path, shape, positions, _linear()[shape.colours]).scene()
+    parts = (shape.cloud, shape.drawn) if isinstance(shape, Shown) else (shape,)
+    scene = trimesh.Scene()
+    for name, part in zip(("scene", "drawn"), parts, strict=False):
+        if name == "scene" or len(part.positions):
+            positions = part.positions * np.array([1, -1, -1], np.float32)
+            scene.add_geometry(
+                _trimesh(path, part, positions, _linear()[part.colours]), geom_name=name
+            )
 
     def finish(tree: dict[str, Any]) -> None:
         _unlit(tree)
@@ -203,7 +235,21 @@ def write_glb(path: Path, shape: Cloud | Mesh, origin: Origin | None = None) -> 
             tree["asset"]["extras"] = {KEY: dict(origin)}
 
     with replacing(path) as temporary:
-        scene.export(str(temporary), file_type="glb", tree_postprocessor=finish)
+        scene.export(  # type: ignore[no-untyped-call]
+            str(temporary), file_type="glb", tree_postprocessor=finish
+        )
+
+
+def _joined(shown: Shown) -> Cloud | Mesh:
+    """Return points and what is drawn among them as one list of vertices, some in triangles."""
+    cloud, drawn = shown.cloud, shown.drawn
+    if not len(cloud.positions) or not len(drawn.triangles):
+        return cloud
+    return Mesh(
+        np.concatenate([cloud.positions, drawn.positions]),
+        np.concatenate([cloud.colours, drawn.colours]),
+        drawn.triangles + np.int32(len(cloud.positions)),
+    )
 
 
 def _trimesh(

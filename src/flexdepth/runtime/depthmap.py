@@ -33,7 +33,14 @@ class FocalSource(StrEnum):
 
     EXIF = "exif"
     GIVEN = "given"
+    PREDICTED = "predicted"
+    """A network sees it in the picture."""
     ASSUMED = "assumed"
+
+    @property
+    def is_known(self) -> bool:
+        """Whether somebody who knows has said it."""
+        return self in (FocalSource.EXIF, FocalSource.GIVEN)
 
 
 @dataclass(frozen=True)
@@ -88,15 +95,27 @@ class DepthMap:
         space: What the numbers are ambiguous up to.
         intrinsics: The camera, or None where nothing is known of it.
         model: Who made the numbers, such as "compact 0.1".
+        spread: Height by width, float32: the relative standard deviation of each value, the one
+            factor of the whole map left out. NaN is unknown; None where nothing is known of it.
+        scale_spread: The relative standard deviation of the one factor of the whole map; None
+            where it is not known, or open anyhow.
     """
 
     values: NDArray[np.float32]
     space: Space
     intrinsics: Intrinsics | None = None
     model: str = ""
+    spread: NDArray[np.float32] | None = None
+    scale_spread: float | None = None
 
     def __post_init__(self) -> None:
-        """Refuse what is not a map of numbers."""
+        """Refuse what is not a map of numbers, and a spread that is not of it."""
+        spread = self.spread
+        if spread is not None and (spread.shape != self.values.shape or spread.dtype != np.float32):
+            raise InputError(
+                f"a spread is a float32 array of the map's shape {self.values.shape}, got "
+                f"{spread.shape} of {spread.dtype}"
+            )
         if self.values.ndim != 2 or self.values.dtype != np.float32 or not self.values.size:
             raise InputError(
                 f"a depth map is a non-empty height x width array of float32, "

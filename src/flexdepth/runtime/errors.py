@@ -13,3 +13,11 @@ class InputError(ValueError):
 def one_line(message: str) -> str:
     """Return the message with the line ends and control characters of file names escaped."""
     return "".join(each if each.isprintable() else ascii(each)[1:-1] for each in message)
+
+
+def reason(error: object) -> str:
+    """Return what an exception or a warning of a library says on one line, cut at 200 letters.
+
+    One that says nothing is named by its kind.
+    """
+    return " ".join(str(error).split())[:200] or type(error).__name__

@@ -9,6 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
+import numpy as np
+from numpy.typing import NDArray
+
 from flexdepth.runtime.depthmap import DepthMap, Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.formats import exr, npy, npz, pfm, png16
@@ -25,17 +28,22 @@ class _Format:
     write: Callable[[Path, DepthMap, Mapping[str, str] | None], None]
     numbers: Callable[[Path], Numbers]
     meaning: Callable[[Path], Meaning | None]
+    spread: Callable[[Path], NDArray[np.float32] | None]
+
+
+def _no_room(_path: Path) -> None:
+    """Formats of one map hold no spread."""
 
 
 _FORMATS = MappingProxyType(
     {
-        SUFFIXES[name]: _Format(module.write, module.numbers, module.meaning)
-        for name, module in (
-            ("npz", npz),
-            ("npy", npy),
-            ("png16", png16),
-            ("exr", exr),
-            ("pfm", pfm),
+        SUFFIXES[name]: _Format(module.write, module.numbers, module.meaning, spread)
+        for name, module, spread in (
+            ("npz", npz, npz.spread),
+            ("npy", npy, _no_room),
+            ("png16", png16, _no_room),
+            ("exr", exr, exr.spread),
+            ("pfm", pfm, _no_room),
         )
     }
 )
@@ -68,7 +76,8 @@ def read_depth(path: Path | str) -> DepthMap:
             is never guessed, for a wrong guess is off by a factor.
     """
     file = Path(path)
-    return _meaning(file).depth_map(_format(file).numbers(file), file)
+    kind = _format(file)
+    return _meaning(file).depth_map(kind.numbers(file), file, kind.spread(file))
 
 
 def read_meaning(path: Path) -> dict[str, object]:

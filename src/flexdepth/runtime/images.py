@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from PIL import ExifTags, Image, ImageCms, UnidentifiedImageError
 from PIL.TiffImagePlugin import TiffImageFile
 
-from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.errors import InputError, reason
 from flexdepth.runtime.opening import open_input
 
 FULL_FRAME_DIAGONAL = 43.27
@@ -129,11 +129,10 @@ def read_photo(path: Path, max_pixels: int = 200_000_000) -> Photo:
         except MemoryError as error:
             raise InputError(f"{path}: does not fit in memory; make it smaller") from error
         except _DAMAGE as error:
-            reason = _line(error)
             raise InputError(
-                f"{path}: is truncated or damaged ({reason}); get a whole copy of it"
+                f"{path}: is truncated or damaged ({reason(error)}); get a whole copy of it"
             ) from error
-    notes = (f"{path}: {_line(w.message)}" for w in caught if w.category is UserWarning)
+    notes = (f"{path}: {reason(w.message)}" for w in caught if w.category is UserWarning)
     return Photo(pixels, focal, tuple(notes))
 
 
@@ -170,10 +169,6 @@ def _why_no_picture(file: BinaryIO) -> str:
     return f"is no picture that can be read, or its start is damaged; save it as one of {kinds}"
 
 
-def _line(what: object) -> str:
-    return " ".join(str(what).split()) or type(what).__name__
-
-
 def _warn_of_name(path: Path, name: str) -> None:
     held = "JPEG" if name == "MPO" else name  # several JPEGs in one file, of which one is shown
     if path.suffix and _FORMAT_OF_SUFFIX.get(path.suffix.lower()) != held:
@@ -190,7 +185,7 @@ def _exif(image: Image.Image) -> tuple[Image.Transpose | None, float | None]:
         if 3 <= float(film) <= 3000:  # from a circular fisheye to the longest zoom
             focal = float(film) / FULL_FRAME_DIAGONAL
     except _DAMAGE as error:
-        warnings.warn(f"its EXIF is damaged ({_line(error)}), part was not used", stacklevel=2)
+        warnings.warn(f"its EXIF is damaged ({reason(error)}), part was not used", stacklevel=2)
     return turn, focal
 
 
@@ -236,7 +231,7 @@ def _in_srgb(image: Image.Image, profile: bytes | None) -> Image.Image:
             )
             return managed or image
     except (ImageCms.PyCMSError, OSError) as error:
-        warnings.warn(f"its colour profile is damaged ({_line(error)}) and ignored", stacklevel=2)
+        warnings.warn(f"its colour profile is damaged ({reason(error)}) and ignored", stacklevel=2)
     return image.convert("RGB")
 
 

@@ -1,17 +1,15 @@
 """What `flexdepth predict` has been asked to do, and what became of each input."""
 
 import errno
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 
 from flexdepth.runtime.errors import InputError
-from flexdepth.runtime.opening import open_input
-from flexdepth.runtime.origin import Origin
+from flexdepth.runtime.estimator import Estimator
+from flexdepth.runtime.origin import Origin, digest
 from flexdepth.runtime.outputs import Output
-from flexdepth.runtime.predictor import Predictor
 
 
 class Status(StrEnum):
@@ -21,6 +19,8 @@ class Status(StrEnum):
     SKIPPED = "skipped"
     """All its outputs were there, made from the same input, model and settings."""
     FAILED = "failed"
+    IN_PART = "in part"
+    """A video that the user stopped; the frames so far have their files."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,7 @@ class Job:
         batch: How many pictures of one size share a run of the network.
     """
 
-    predictor: Predictor
+    predictor: Estimator
     folder: Path
     outputs: tuple[Output, ...]
     overwrite: bool = False
@@ -49,17 +49,10 @@ class Job:
         Raises:
             InputError: The input cannot be read.
         """
-        digest = hashlib.sha256()
-        with open_input(path) as file:
-            while part := file.read(1 << 20):
-                digest.update(part)
         return {
-            "input": f"sha256:{digest.hexdigest()}",
-            "model": f"sha256:{self.predictor.model.digest}",
-            "lens": str(self.predictor.lens or "the photo's own"),
-            "look": self.predictor.look.__name__,
-            "long_side": str(self.predictor.long_side or "by area"),
-            "tiles": str(self.predictor.tiles),
+            "input": digest(path),
+            "model": f"sha256:{self.predictor.about.digest}",
+            **self.predictor.settings,
         }
 
 
@@ -69,7 +62,7 @@ class Result:
 
     Attributes:
         path: The input.
-        status: Done, skipped or failed.
+        status: Done, skipped, failed or done in part.
         outputs: The files that are there for it now, made just now or before.
         meaning: What its depth file says of itself, the last one's of a video; empty where there
             is none.

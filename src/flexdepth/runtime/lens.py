@@ -1,4 +1,4 @@
-"""Which focal length a photo was taken with: given, written in the photo, or assumed."""
+"""Which focal length a photo was taken with: given, written in it, seen in it, or assumed."""
 
 from dataclasses import dataclass
 from math import hypot, radians, tan
@@ -46,27 +46,39 @@ Lens = FocalLength | FieldOfView
 """What a user can say about the camera."""
 
 
-def intrinsics(
-    width: int, height: int, lens: Lens | None, focal_in_diagonals: float | None
-) -> Intrinsics:
-    """Return the camera of a photo: `lens` before the photo's own word before the assumption.
+@dataclass(frozen=True)
+class Said:
+    """What a photo says of its focal length, in diagonals of the image; None is silence.
+
+    Attributes:
+        written: In the file.
+        seen: By a network, in the picture.
+    """
+
+    written: float | None = None
+    seen: float | None = None
+
+
+def intrinsics(width: int, height: int, lens: Lens | None, said: Said) -> Intrinsics:
+    """Return the camera of a photo: what the user says, or the file, or the picture, or nobody.
 
     Args:
         width: Of the photo as a person sees it, in pixels.
         height: In pixels.
         lens: What the user says; None leaves it to the photo.
-        focal_in_diagonals: What the photo says, in diagonals of the image; None where it is
-            silent.
+        said: What the photo says.
     """
+    diagonal = hypot(width, height)
     match lens:
         case FocalLength(pixels):
             return Intrinsics.centred(width, height, pixels, FocalSource.GIVEN)
         case FieldOfView(degrees):
             return Intrinsics.from_field_of_view(width, height, degrees, FocalSource.GIVEN)
-        case None if focal_in_diagonals is not None:
-            focal = focal_in_diagonals * hypot(width, height)
-            return Intrinsics.centred(width, height, focal, FocalSource.EXIF)
+        case None if said.written is not None:
+            return Intrinsics.centred(width, height, said.written * diagonal, FocalSource.EXIF)
+        case None if said.seen is not None:
+            return Intrinsics.centred(width, height, said.seen * diagonal, FocalSource.PREDICTED)
         case None:
-            focal = ASSUMED_FOCAL_IN_DIAGONALS * hypot(width, height)
+            focal = ASSUMED_FOCAL_IN_DIAGONALS * diagonal
             return Intrinsics.centred(width, height, focal, FocalSource.ASSUMED)
     raise InputError(f"a lens is a FocalLength or a FieldOfView, got {lens!r}")

@@ -5,6 +5,8 @@ from typing import BinaryIO
 
 from flexdepth.runtime.errors import InputError
 
+_ADDRESSES = (("http:",), ("https:",))
+
 
 def open_input(path: Path) -> BinaryIO:
     """Open a file that is not empty, for reading bytes.
@@ -16,7 +18,9 @@ def open_input(path: Path) -> BinaryIO:
         if path.is_dir():
             raise InputError(f"{path}: is a folder, wanted a file; name a file inside it")
         if not path.exists():
-            raise InputError(f"{path}: does not exist; check the name")
+            is_address = path.parts[:1] in _ADDRESSES  # a path has lost the second slash
+            todo = "nothing is downloaded here, save it first" if is_address else "check the name"
+            raise InputError(f"{path}: does not exist; {todo}")
         if not path.is_file():
             raise InputError(f"{path}: is not a plain file; save its content to a file first")
         if not path.stat().st_size:

@@ -4,6 +4,7 @@ Depth files say it in their own record (`formats/meaning.py`). PNG has a text ch
 PLY a comment in its header, GLB an entry in `asset.extras`; each holds the same JSON object.
 """
 
+import hashlib
 import json
 import struct
 from collections.abc import Callable, Mapping
@@ -25,6 +26,19 @@ KEY = "flexdepth"
 
 _MOST = 1 << 20
 """No header is longer, in bytes: what claims to be is not read."""
+
+
+def digest(path: Path) -> str:
+    """Return what tells a file from every other: `sha256:` and 64 hexadecimal digits.
+
+    Raises:
+        InputError: The file cannot be read.
+    """
+    found = hashlib.sha256()
+    with open_input(path) as file:
+        while part := file.read(1 << 20):
+            found.update(part)
+    return f"sha256:{found.hexdigest()}"
 
 
 def write_picture(path: Path, pixels: NDArray[np.uint8], origin: Origin) -> None:

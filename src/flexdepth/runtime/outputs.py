@@ -18,6 +18,7 @@ from flexdepth.runtime.atomic import check_writable
 from flexdepth.runtime.depthmap import DepthMap
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.files import SUFFIXES, read_meaning, write_depth
+from flexdepth.runtime.formats.sidecar import SPEAKS_FOR
 from flexdepth.runtime.interrupts import interrupts_held
 from flexdepth.runtime.origin import Origin, glb_origin, picture_origin, ply_origin, write_picture
 from flexdepth.runtime.picture import preview
@@ -105,7 +106,7 @@ def _write_glb_mesh(path: Path, scene: Scene, origin: Origin) -> None:
 
 DEPTH: Mapping[str, Output] = MappingProxyType(
     {
-        name: Output(suffix, _write_depth, _depth_origin, ".json" if name in ("npy", "pfm") else "")
+        name: Output(suffix, _write_depth, _depth_origin, ".json" if name in SPEAKS_FOR else "")
         for name, suffix in SUFFIXES.items()
     }
 )
@@ -188,3 +189,18 @@ def write_all(outputs: Sequence[Output], base: Path, scene: Scene, origin: Origi
     """
     for output in outputs:
         output.write(output.path(base), scene, {**origin, **output.mark})
+
+
+def discard(output: Output, base: Path) -> None:
+    """Remove an output, and the second file that belongs to it unless another output's does.
+
+    Raises:
+        InputError: It cannot be removed.
+    """
+    path = output.path(base)
+    try:
+        path.unlink(missing_ok=True)
+        if output.beside and not any(DEPTH[name].path(base).exists() for name in SPEAKS_FOR):
+            base.with_name(base.name + output.beside).unlink(missing_ok=True)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be removed: {error.strerror}; do so by hand") from error

@@ -1,7 +1,8 @@
 """Photos of a job: read, predicted together, written one by one."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from flexdepth.runtime.depthmap import DepthMap
@@ -11,7 +12,7 @@ from flexdepth.runtime.images import Photo, read_photo
 from flexdepth.runtime.inputs import Input
 from flexdepth.runtime.job import Job, Result, Status, failure
 from flexdepth.runtime.origin import Origin
-from flexdepth.runtime.outputs import Output, Scene, unmade, write_all
+from flexdepth.runtime.outputs import Output, Scene, is_made, unmade, write_all
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +66,7 @@ def _written(job: Job, ready: _Opened, found: DepthMap | InputError) -> Result:
     try:
         write_all(ready.wanted, ready.base, Scene(ready.photo.pixels, found), ready.origin)
     except InputError as error:
-        return failure(ready.path, error)
+        return _broken_off(job, ready, error)
     return Result(
         ready.path,
         Status.DONE,
@@ -73,6 +74,21 @@ def _written(job: Job, ready: _Opened, found: DepthMap | InputError) -> Result:
         _meaning(job, ready.base),
         warnings=ready.photo.warnings,
     )
+
+
+def _broken_off(job: Job, ready: _Opened, error: InputError) -> Result:
+    """Return the result of a photo of which an output cannot be made, with those that are there."""
+    made = tuple(output.path(ready.base) for output in job.outputs if _is_there(output, ready))
+    first = job.outputs[0].path(ready.base)
+    meaning = read_meaning(first) if first in made else {}
+    return replace(failure(ready.path, error), outputs=made, meaning=meaning)
+
+
+def _is_there(output: Output, ready: _Opened) -> bool:
+    with suppress(InputError):
+        origin = {**ready.origin, **output.mark}
+        return is_made(output.path(ready.base), origin, output.origin)
+    return False
 
 
 def _paths(job: Job, base: Path) -> tuple[Path, ...]:

@@ -1,6 +1,6 @@
 """From a picture to its depth map, at the picture's own size."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from math import log
@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
-from flexdepth.runtime.depthmap import DepthMap, FocalSource, Space
+from flexdepth.runtime.answer import Answer
+from flexdepth.runtime.depthmap import DepthMap, Space
 from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.estimator import About
 from flexdepth.runtime.images import Photo, read_photo
-from flexdepth.runtime.lens import Lens, intrinsics
+from flexdepth.runtime.lens import Lens, Said, intrinsics
 from flexdepth.runtime.model import Model
 from flexdepth.runtime.sizes import network_size, resized
 from flexdepth.runtime.tiles import Seen, joined, tiling
@@ -22,26 +24,26 @@ _SKY = 0.5
 """The probability above which a pixel is sky."""
 
 
-def once(
-    model: Model, images: NDArray[np.float32]
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return canonical depth and the probability of sky of each image."""
+def once(model: Model, images: NDArray[np.float32]) -> Answer:
+    """Return what the network answers for each image."""
     return model.run(images)
 
 
-def mirrored_too(
-    model: Model, images: NDArray[np.float32]
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return the same from two looks, one in a mirror; twice as slow, and steadier.
+def in_mirror(model: Model, images: NDArray[np.float32]) -> Answer:
+    """Return the answer for the mirrored images, mirrored back."""
+    return model.run(np.ascontiguousarray(images[..., ::-1])).mirrored()
 
-    Depths are joined by their geometric mean, probabilities by their mean.
+
+def mirrored_too(model: Model, images: NDArray[np.float32]) -> Answer:
+    """Return the answer of two looks, one in a mirror; twice as slow, and steadier.
+
+    Depths are joined by their geometric mean, everything else by the mean.
     """
-    depth, sky = model.run(images)
-    depth_too, sky_too = model.run(np.ascontiguousarray(images[..., ::-1]))
-    return np.sqrt(depth * depth_too[..., ::-1]), (sky + sky_too[..., ::-1]) / np.float32(2)
+    seen, mirrored = model.run(images), in_mirror(model, images)
+    return seen.joined(mirrored, np.sqrt(seen.depth * mirrored.depth))
 
 
-Look = Callable[[Model, NDArray[np.float32]], tuple[NDArray[np.float32], NDArray[np.float32]]]
+Look = Callable[[Model, NDArray[np.float32]], Answer]
 """How a network looks at pictures: `once` or `mirrored_too`."""
 
 
@@ -71,6 +73,22 @@ class Predictor:
         """Refuse a number of tiles that is none."""
         if self.tiles < 1:
             raise InputError(f"--tiles: wanted a whole number >= 1, got {self.tiles}")
+
+    @property
+    def about(self) -> About:
+        """Who the model is."""
+        said = self.model.description
+        return About(said.name, said.version, said.licence, self.model.digest)
+
+    @property
+    def settings(self) -> Mapping[str, str]:
+        """How pictures are shown to it."""
+        return {
+            "lens": str(self.lens or "the photo's own"),
+            "look": self.look.__name__,
+            "long_side": str(self.long_side or "by area"),
+            "tiles": str(self.tiles),
+        }
 
     def predict(self, picture: Photo | str | Path | ArrayLike) -> DepthMap:
         """Return the depth of one picture, at its own size, +inf in the sky.
@@ -108,29 +126,36 @@ class Predictor:
         height, width = pixels.shape[:2]
         return network_size(width, height, self.model.description, self.long_side)
 
-    def _seen(self, pictures: Sequence[NDArray[np.uint8]], size: tuple[int, int]) -> list[Seen]:
+    def _seen(self, pictures: Sequence[NDArray[np.uint8]], size: tuple[int, int]) -> list[Answer]:
         images = np.stack([_shown(pixels, size) for pixels in pictures])
-        depth, sky = self.look(self.model, images)
-        return [Seen(*each) for each in zip(np.log(depth), sky, strict=True)]
+        return self.look(self.model, images).each()
 
     def _tile_seen(self, pixels: NDArray[np.uint8]) -> Seen:
         (seen,) = self._seen([pixels], self._size_of(pixels))
-        return seen
+        return _logarithmic(seen)
 
-    def _at_own_size(self, photo: Photo, whole: Seen) -> DepthMap:
+    def _at_own_size(self, photo: Photo, whole: Answer) -> DepthMap:
         height, width = photo.pixels.shape[:2]
         grid = tiling(width, height, self.tiles, whole.sky.size)
-        own = joined(photo.pixels, whole, grid, self._tile_seen)
-        camera = intrinsics(width, height, self.lens, photo.focal_in_diagonals)
+        own = joined(photo.pixels, _logarithmic(whole), grid, self._tile_seen)
+        said = Said(photo.focal_in_diagonals, whole.focal_of_one)
+        camera = intrinsics(width, height, self.lens, said)
         about = self.model.description
         unit = camera.focal_in_diagonals(width, height) / about.canonical_focal
         values = own.log_depth
         values += np.float32(log(unit))
         np.exp(values, out=values)
-        values[own.sky > _SKY] = np.inf
-        known = about.space is Space.METRIC and camera.source is not FocalSource.ASSUMED
-        space = Space.METRIC if known else Space.SCALE
-        return DepthMap(values, space, camera, self.model.title)
+        sky = own.sky > _SKY
+        values[sky] = np.inf
+        metric = about.space is Space.METRIC and camera.source.is_known
+        return DepthMap(
+            values,
+            Space.METRIC if metric else Space.SCALE,
+            camera,
+            self.model.title,
+            _spread(whole, (width, height), sky),
+            about.scale_spread if metric else None,
+        )
 
 
 def photo_of(picture: Photo | str | Path | ArrayLike) -> Photo:
@@ -161,6 +186,21 @@ def photo_of(picture: Photo | str | Path | ArrayLike) -> Photo:
             f"in gray, got shape {pixels.shape} of {pixels.dtype}"
         )
     return Photo(pixels, None, ())
+
+
+def _logarithmic(answer: Answer) -> Seen:
+    return Seen(np.log(answer.depth), answer.sky)
+
+
+def _spread(
+    whole: Answer, size: tuple[int, int], sky: NDArray[np.bool_]
+) -> NDArray[np.float32] | None:
+    """Return the spread at the picture's size, NaN in the sky; None where it is not said."""
+    if whole.spread is None:
+        return None
+    spread = resized(whole.spread, size)
+    spread[sky] = np.nan
+    return spread
 
 
 def _shown(pixels: NDArray[np.uint8], size: tuple[int, int]) -> NDArray[np.float32]:

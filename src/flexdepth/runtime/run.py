@@ -8,7 +8,7 @@ from pathlib import Path
 
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.inputs import Input
-from flexdepth.runtime.job import Job, Result, failure
+from flexdepth.runtime.job import Job, Result, Status, failure
 from flexdepth.runtime.photos import photo_results
 
 
@@ -18,7 +18,8 @@ def results(
     """Work on the inputs in their order and say of each what became of it.
 
     A full disk ends the work: the next input would fail as well. Stopping between two results
-    leaves nothing half-written.
+    leaves nothing half-written. A video that is stopped with Ctrl-C gives the result of its frames
+    so far before the KeyboardInterrupt.
 
     Args:
         job: What is to be made.
@@ -50,7 +51,10 @@ def _clip_results(
     from flexdepth.runtime.clips import clip_result  # noqa: PLC0415
 
     for clip in clips:
-        yield clip_result(job, clip, partial(watch, clip.path))
+        result = clip_result(job, clip, partial(watch, clip.path))
+        yield result
+        if result.status is Status.IN_PART:
+            raise KeyboardInterrupt
 
 
 def without_clashes(job: Job, inputs: Sequence[Input]) -> tuple[list[Input], list[Result]]:

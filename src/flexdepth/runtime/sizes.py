@@ -1,28 +1,56 @@
 """The size at which the network looks at a picture, and the way there and back."""
 
+from dataclasses import dataclass
 from itertools import product
 from math import log, sqrt
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdepth.runtime.bundle import Description
 from flexdepth.runtime.errors import InputError
 
 Number = TypeVar("Number", np.uint8, np.float32)
+
+
+@dataclass(frozen=True)
+class Area:
+    """How large a network wants its pictures.
+
+    Attributes:
+        area: Width and height whose product is the number of pixels.
+        multiple: Width and height are multiples of this.
+    """
+
+    area: tuple[int, int]
+    multiple: int
+
+
+class HasArea(Protocol):
+    """What says how large a network wants its pictures: an `Area`, or a bundle's description."""
+
+    @property
+    def area(self) -> tuple[int, int]:
+        """Width and height whose product is the number of pixels."""
+        ...
+
+    @property
+    def multiple(self) -> int:
+        """Width and height are multiples of this."""
+        ...
+
 
 _AREA_AGAINST_ASPECT = 0.5
 """How much an area off by a factor counts against an aspect off by the same factor."""
 
 
 def network_size(
-    width: int, height: int, description: Description, long_side: int | None = None
+    width: int, height: int, wanted: HasArea, long_side: int | None = None
 ) -> tuple[int, int]:
     """Return width and height of what the network is given for a picture.
 
-    Both are multiples of the bundle's. Without `long_side` their product is near the bundle's
+    Both are multiples of the network's. Without `long_side` their product is near its
     area and, of the roundings, the one that least changes the picture's aspect is taken: 640 x
     480 becomes 384 x 288, KITTI's 1242 x 375 becomes 608 x 192. A picture so long that it would
     be thinner than one multiple is squeezed along its length, so that the area stays.
@@ -30,13 +58,13 @@ def network_size(
     Args:
         width: Of the picture, in pixels.
         height: In pixels.
-        description: The bundle's area and multiple.
+        wanted: The network's area and multiple.
         long_side: Take this as the longer side instead, rounded to the nearest multiple.
 
     Raises:
         InputError: `long_side` is less than one multiple.
     """
-    multiple = description.multiple
+    multiple = wanted.multiple
     if long_side is not None:
         if long_side < multiple:
             raise InputError(
@@ -44,7 +72,7 @@ def network_size(
             )
         scale = round(long_side / multiple) * multiple / max(width, height)
         return _nearest(width * scale, multiple), _nearest(height * scale, multiple)
-    area = description.area[0] * description.area[1]
+    area = wanted.area[0] * wanted.area[1]
     scale = sqrt(area / (width * height))
     longest = max(area // multiple // multiple, 1) * multiple
 

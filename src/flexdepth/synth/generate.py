@@ -19,20 +19,17 @@ from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.files import write_depth
 from flexdepth.runtime.opening import open_input
 from flexdepth.synth.lens import photograph
-from flexdepth.synth.patterns import Library
-from flexdepth.synth.render import Rendering, Stage, render, worth_taking
-from flexdepth.synth.rooms import cellar, room
-from flexdepth.synth.streets import street
+from flexdepth.synth.library import Library
+from flexdepth.synth.render import Rendering, render, worth_taking
+from flexdepth.synth.stage import Stage
 from flexdepth.synth.viewpoints import viewpoint
+from flexdepth.synth.worlds import drawn
 
-VERSION = 2
+VERSION = 3
 """Raised when the same (seed, index) no longer gives the same image."""
 
 VIEWS = 4
 """Images of one scene, in a row."""
-
-CELLAR_SHARE = 0.25
-"""Share of rooms that are cellars, sheds or workshops."""
 
 _VARIANTS = 16
 _ATTEMPTS = 40
@@ -46,19 +43,19 @@ class SynthSettings:
         seed: The world; images of different seeds share nothing.
         width: Pixels.
         height: Pixels.
-        street_share: Share of scenes that are streets; the others are rooms.
+        outdoor_share: Share of scenes under the sky; `worlds.py` says which kinds there are.
     """
 
     seed: int = 0
     width: int = 384
     height: int = 288
-    street_share: float = 0.4
+    outdoor_share: float = 0.4
 
     def __post_init__(self) -> None:
         """Refuse what cannot be rendered."""
-        if min(self.width, self.height) < 32 or not 0 <= self.street_share <= 1 or self.seed < 0:
+        if min(self.width, self.height) < 32 or not 0 <= self.outdoor_share <= 1 or self.seed < 0:
             raise InputError(
-                f"a world needs width and height >= 32, a street share from 0 to 1 and a seed "
+                f"a world needs width and height >= 32, an outdoor share from 0 to 1 and a seed "
                 f">= 0, got {self}"
             )
 
@@ -72,9 +69,7 @@ def _library(seed: int) -> Library:
 def stage_of(settings: SynthSettings, scene: int, retry: int) -> Stage:
     """Return a scene ready for rays."""
     rng = np.random.default_rng([settings.seed, 1, scene, retry])
-    place = rng.random()
-    inside = cellar if rng.random() < CELLAR_SHARE else room
-    make = street if place < settings.street_share else inside
+    make = drawn(rng, settings.outdoor_share)
     return Stage.built(rng, make(rng), _library(settings.seed))
 
 
@@ -92,7 +87,7 @@ def rendered(settings: SynthSettings, index: int) -> tuple[Rendering, NDArray[np
             view = viewpoint(rng, stage.scene, aspect)
             if worth_taking(stage, view, aspect):
                 seen = render(rng, stage, view, settings.width, settings.height)
-                return seen, photograph(rng, seen.light)
+                return seen, photograph(rng, seen.light, seen.depth, seen.focal)
     raise RuntimeError(f"no viewpoint of scene {scene} of seed {settings.seed} shows anything")
 
 

@@ -7,58 +7,146 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from flexdepth.synth.sensor import Sensor
+from flexdepth.synth.tone import Tone
+
+Array = NDArray[np.float32]
+
+_LAYERS = 6
+"""Slices of depth that are blurred apart."""
+
+_SHARP = 0.7
+"""Pixels of a blur disc's diameter below which nothing is out of focus."""
+
+
+@dataclass(frozen=True, eq=False)
+class Optics:
+    """What the lens does, and the hand that holds it.
+
+    Attributes:
+        vignette: How much darker the corners are.
+        blur: Of the lens, pixels.
+        aperture: Diameter of the entrance pupil, metres; 0 has everything in focus.
+        focus: Which part of the image's middle is in focus: a quantile of its depth.
+        shake: Path of the image during the exposure, points by two pixels; one point is a tripod.
+    """
+
+    vignette: float
+    blur: float
+    aperture: float
+    focus: float
+    shake: NDArray[np.float64]
+
+    @classmethod
+    def drawn(cls, rng: Generator) -> "Optics":
+        """Return a random lens: most are phones', in whose pictures nearly all is sharp."""
+        wide = rng.random() < 0.22
+        steps = rng.normal(0, rng.uniform(0.05, 0.4), (12, 2)) + rng.normal(0, 0.2, 2)
+        return cls(
+            vignette=float(rng.uniform(0, 0.6) if rng.random() < 0.7 else 0),
+            blur=float(rng.uniform(0.25, 0.6) if rng.random() < 0.8 else rng.uniform(0.6, 1.2)),
+            aperture=float(np.exp(rng.uniform(np.log(3e-3), np.log(2e-2)))) if wide else 0.0015,
+            focus=float(rng.uniform(0.1, 0.6)),
+            shake=steps.cumsum(0) if rng.random() < 0.2 else np.zeros((1, 2)),
+        )
+
+    def image(self, light: Array) -> Array:
+        """Return the light that reaches the sensor: shaken, blurred, darker in the corners."""
+        height, width = light.shape[:2]
+        moved = cv2.filter2D(light, -1, _kernel(self.shake)) if len(self.shake) > 1 else light
+        soft = cv2.GaussianBlur(moved, (0, 0), self.blur)
+        row, column = np.ogrid[:height, :width]
+        square = ((row + 0.5) / height - 0.5) ** 2 + ((column + 0.5) / width - 0.5) ** 2
+        return np.asarray(soft * (1 - self.vignette * square[..., None]), np.float32)
+
+    def focused(self, light: Array, depth: Array, focal: float) -> Array:
+        """Return the light with what is out of focus blurred, as a thin lens does it.
+
+        A point at depth z is a disc of diameter aperture * focal * |1 / z - 1 / focus|.
+        Potmesil and Chakravarty, A lens and aperture camera model, SIGGRAPH 1981; here from a
+        sharp image, slice by slice from far to near.
+        """
+        height, width = depth.shape
+        middle = depth[height // 4 : -(height // 4), width // 4 : -(width // 4)]
+        nearness = 1 / depth
+        inside = middle[np.isfinite(middle)]
+        sharp = 1 / np.quantile(inside, self.focus) if inside.size else 0.0
+        disc = (self.aperture * focal * (nearness - sharp)).astype(np.float32)
+        largest = float(np.abs(disc).max())
+        if largest < _SHARP:
+            return light
+        edges = _slices(float(disc.min()), float(disc.max()))
+        number = np.digitize(disc, edges)
+        out = light
+        for k in range(len(edges) + 1):
+            here = (number == k).astype(np.float32)
+            if here.any():
+                size = float(np.abs(disc[number == k]).mean())
+                out = _over(out, light, here, (number > k).astype(np.float32), size)
+        return out
+
+
+def _slices(low: float, high: float) -> NDArray[np.float64]:
+    """Return the borders between slices of signed blur, one on either side of what is sharp."""
+    even = np.linspace(low, high, _LAYERS + 1)[1:-1]
+    return np.unique(np.r_[even[np.abs(even) > _SHARP], -_SHARP, _SHARP])
+
+
+def _over(out: Array, light: Array, here: Array, nearer: Array, size: float) -> Array:
+    """Return `out` with one slice, blurred to discs of diameter `size`, laid over it.
+
+    The slice is continued behind what is nearer, since that will be blurred and let it through.
+    """
+    if size < _SHARP:
+        cover = here[..., None]
+        return np.asarray(out + cover * (light - out), np.float32)
+    sigma = size / 4
+    colour = cv2.GaussianBlur(light * here[..., None], (0, 0), sigma)
+    weight = cv2.GaussianBlur(here, (0, 0), sigma)
+    cover = np.minimum(1, weight + nearer * (weight > 0.05))[..., None]
+    return np.asarray(
+        out + cover * (colour / np.maximum(weight, 1e-3)[..., None] - out), np.float32
+    )
+
+
+def _kernel(path: NDArray[np.float64]) -> Array:
+    """Return the blur that moving along a path leaves, centred on the path's middle."""
+    centred = path - (path.min(0) + path.max(0)) / 2
+    reach = int(np.ceil(np.abs(centred).max())) + 1
+    kernel = np.zeros((2 * reach + 1, 2 * reach + 1), np.float32)
+    corner = np.floor(centred).astype(int)
+    right, down = (centred - corner).T
+    for dx, dy, weight in (
+        (0, 0, (1 - right) * (1 - down)),
+        (1, 0, right * (1 - down)),
+        (0, 1, (1 - right) * down),
+        (1, 1, right * down),
+    ):
+        np.add.at(kernel, (corner[:, 1] + dy + reach, corner[:, 0] + dx + reach), weight)
+    return np.asarray(kernel / kernel.sum(), np.float32)
+
 
 @dataclass(frozen=True, eq=False)
 class Film:
-    """How one camera takes pictures.
+    """How one camera takes pictures."""
 
-    Attributes:
-        brightness: Which grey the image's geometric mean becomes.
-        balance: Red, green and blue against the true ones.
-        shoulder: How soon highlights are compressed.
-        vignette: How much darker the corners are.
-        blur: Of the lens, pixels.
-        grain: Noise of a white pixel.
-    """
-
-    brightness: float
-    balance: NDArray[np.float64]
-    shoulder: float
-    vignette: float
-    blur: float
-    grain: float
+    optics: Optics
+    tone: Tone
+    sensor: Sensor
 
     @classmethod
     def drawn(cls, rng: Generator) -> "Film":
-        """Return a random camera."""
-        return cls(
-            brightness=float(np.exp(rng.uniform(np.log(0.035), np.log(0.32)))),
-            balance=np.exp(rng.normal(0, 0.06, 3)),
-            shoulder=rng.uniform(0.1, 0.6),
-            vignette=rng.uniform(0, 0.5),
-            blur=rng.uniform(0.3, 0.9),
-            grain=rng.uniform(0, 0.025),
-        )
+        """Return a random camera; in the dark it is noisier."""
+        tone = Tone.drawn(rng)
+        return cls(Optics.drawn(rng), tone, Sensor.drawn(rng, tone.brightness))
 
-    def picture(self, rng: Generator, light: NDArray[np.float32]) -> NDArray[np.uint8]:
-        """Return an 8-bit sRGB picture: exposure, white balance, highlights, blur, noise."""
-        height, width = light.shape[:2]
-        grey = light.mean(-1)
-        middle = float(np.exp(np.log(grey + 1e-4).mean()))
-        exposed = light * (self.brightness / middle) * self.balance
-        compressed = exposed * (1 + exposed * self.shoulder / 4) / (1 + exposed * self.shoulder)
-        row, column = np.mgrid[:height, :width]
-        radius = np.hypot((row + 0.5) / height - 0.5, (column + 0.5) / width - 0.5)
-        shaded = compressed * (1 - self.vignette * radius[..., None] ** 2)
-        blurred = cv2.GaussianBlur(shaded.astype(np.float32), (0, 0), self.blur)
-        grain = rng.normal(0, self.grain, light.shape) * np.sqrt(np.clip(blurred, 0, 1) + 0.02)
-        picture = np.clip(blurred + grain, 0, 1)
-        encoded = np.where(
-            picture <= 0.0031308, 12.92 * picture, 1.055 * picture ** (1 / 2.4) - 0.055
-        )
-        return np.asarray((255 * encoded).round(), np.uint8)
+    def picture(self, rng: Generator, light: Array) -> NDArray[np.uint8]:
+        """Return an 8-bit sRGB picture of what is all in focus."""
+        raw = self.sensor.noisy(rng, self.tone.exposed(self.optics.image(light)))
+        return self.sensor.developed(self.tone.encoded(raw))
 
 
-def photograph(rng: Generator, light: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Return the picture that a random camera takes."""
-    return Film.drawn(rng).picture(rng, light)
+def photograph(rng: Generator, light: Array, depth: Array, focal: float) -> NDArray[np.uint8]:
+    """Return the picture that a random camera takes; `focal` is in pixels, depth in metres."""
+    film = Film.drawn(rng)
+    return film.picture(rng, film.optics.focused(light, depth, focal))

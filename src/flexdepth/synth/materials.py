@@ -1,30 +1,39 @@
 """What surfaces look like: a pattern, three colours and a size."""
 
 import colorsys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from flexdepth.synth.library import PRINTS
 from flexdepth.synth.shapes import Mesh
+from flexdepth.synth.surfaces import KINDS, NATURE
 
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """A diffuse surface.
+    """A surface.
 
     Attributes:
-        pattern: The name of a pattern in `patterns.PATTERNS`.
+        pattern: The name of a texture, one of `library.NAMES`.
         colours: Three linear albedos (or emitted colours), rows of red, green, blue.
         size: Metres after which the pattern repeats, along u and v.
         glow: Light it emits in units of its colour: 0 for everything but lamps and windows.
+        gloss: Share of the light from straight ahead that it mirrors: 0 for dull things, 0.04 for
+            varnish and plastic, 0.9 for mirrors.
+        rough: How uneven a glossy surface is: the spread of its unit normal.
+        ripple: How steep the waves on it are: water.
     """
 
     pattern: str
     colours: NDArray[np.float64]
     size: tuple[float, float]
     glow: float = 0.0
+    gloss: float = 0.0
+    rough: float = 0.0
+    ripple: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +53,18 @@ def colour(
     if rng.random() < 0.45:
         return np.asarray(np.clip(value + rng.normal(0, 0.03, 3), 0.01, 0.95))
     chroma = min(1.0, 1.2 * saturation) * rng.beta(1.6, 1.8)
-    return np.array(colorsys.hsv_to_rgb(rng.random(), chroma, value)) * 0.97 + 0.01
+    return np.array(colorsys.hsv_to_rgb(_hue(rng), chroma, value)) * 0.97 + 0.01
+
+
+def _hue(rng: Generator) -> float:
+    """Return a hue: mostly the warm ones of wood, stone and skin, then blue, then any."""
+    share = rng.random()
+    middle, spread = next(hue[1:] for hue in _HUES if share < hue[0])
+    return float(rng.normal(middle, spread) % 1)
+
+
+_HUES = ((0.5, 0.08, 0.035), (0.7, 0.6, 0.05), (0.8, 0.3, 0.08), (1.0, 0.5, 10.0))
+"""Share up to here, middle and spread of hues; red is 0 and 1, green 1/3, blue 2/3."""
 
 
 def _around(rng: Generator, base: NDArray[np.float64], spread: float) -> NDArray[np.float64]:
@@ -54,63 +74,53 @@ def _around(rng: Generator, base: NDArray[np.float64], spread: float) -> NDArray
     return np.asarray(np.clip(base * factors + rng.normal(0, 0.02 * spread, (3, 3)), 0.005, 0.97))
 
 
-_KINDS: dict[str, tuple[tuple[str, ...], float, tuple[float, float]]] = {
-    "wall": (
-        ("plain", "plain", "plain", "mottled", "stripes", "bricks", "tiles", "wood"),
-        0.25,
-        (0.6, 2.5),
-    ),
-    "ceiling": (("plain", "plain", "mottled", "tiles"), 0.1, (0.8, 2.4)),
-    "floor": (("wood", "wood", "tiles", "mottled", "speckled", "checks", "plain"), 0.4, (0.6, 2.5)),
-    "wood": (("wood", "wood", "plain"), 0.35, (0.3, 1.2)),
-    "fabric": (("plain", "mottled", "speckled", "stripes", "checks", "spots"), 0.5, (0.1, 0.8)),
-    "cabinet": (("panels", "panels", "plain", "wood"), 0.5, (0.8, 1.8)),
-    "thing": (
-        ("plain", "plain", "mottled", "stripes", "collage", "spots", "print_lines", "wood"),
-        0.7,
-        (0.1, 0.6),
-    ),
-    "poster": (("collage", "collage", "spots", "print_lines", "mottled"), 1.2, (0.4, 1.6)),
-    "metal": (("plain", "mottled"), 0.3, (0.3, 1.0)),
-    "facade": (("windows", "windows", "bricks", "mottled", "plain", "tiles"), 0.6, (2.0, 7.0)),
-    "brickwork": (("bricks", "mottled", "plain", "tiles"), 0.3, (0.8, 2.5)),
-    "bare": (("mottled", "mottled", "bricks", "bricks", "speckled", "wood"), 0.5, (0.8, 2.5)),
-}
-
-_NATURE: dict[str, tuple[tuple[str, ...], tuple[float, float, float], tuple[float, float]]] = {
-    "asphalt": (("speckled", "mottled"), (0.13, 0.13, 0.14), (1.0, 4.0)),
-    "pavement": (("tiles", "bricks", "speckled"), (0.3, 0.28, 0.26), (0.8, 3.0)),
-    "grass": (("speckled", "mottled"), (0.12, 0.2, 0.05), (0.5, 4.0)),
-    "leaf": (("speckled", "mottled"), (0.08, 0.16, 0.04), (0.3, 1.5)),
-    "bark": (("mottled", "wood"), (0.14, 0.1, 0.07), (0.3, 1.0)),
-    "skin": (("plain",), (0.5, 0.33, 0.25), (0.3, 0.6)),
-    "roof": (("tiles", "bricks", "stripes"), (0.25, 0.12, 0.09), (1.0, 3.0)),
-    "glass": (("mottled", "plain"), (0.05, 0.06, 0.08), (1.0, 3.0)),
-    "paint": (("plain", "speckled"), (0.75, 0.75, 0.72), (0.5, 2.0)),
-    "tyre": (("plain",), (0.02, 0.02, 0.02), (0.3, 0.5)),
-}  # fmt: skip
-
-
 def material(rng: Generator, kind: str) -> Material:
     """Return a random material of a kind, such as `wall`, `wood`, `asphalt` or `leaf`."""
-    if kind in _NATURE:
-        patterns, base, span = _NATURE[kind]
-        tinted = np.asarray(base) * np.exp(rng.normal(0, 0.3)) * np.exp(rng.normal(0, 0.12, 3))
-        size = rng.uniform(*span)
-        return Material(str(rng.choice(patterns)), _around(rng, tinted, 0.35), (size, size))
-    patterns, spread, span = _KINDS[kind]
-    bright = (0.35, 0.9) if kind in ("ceiling", "wall") and rng.random() < 0.7 else (0.04, 0.8)
-    colours = _around(rng, colour(rng, 0.25 if kind == "ceiling" else 0.7, bright), spread)
-    if rng.random() < spread / 2:
-        colours = np.stack([colour(rng) for _ in range(3)])
-    size = rng.uniform(*span)
-    return Material(str(rng.choice(patterns)), colours, (size, size * rng.uniform(0.7, 1.4)))
+    if kind in NATURE:
+        nature = NATURE[kind]
+        tinted = (
+            np.asarray(nature.base) * np.exp(rng.normal(0, 0.3)) * np.exp(rng.normal(0, 0.12, 3))
+        )
+        size = rng.uniform(*nature.span)
+        pattern = nature.patterns[int(rng.integers(len(nature.patterns)))]
+        colours = _inked(rng, pattern, _around(rng, tinted, rng.uniform(0.25, 0.75)))
+        ripple = nature.ripple * float(rng.random()) ** 2
+        return Material(pattern, colours, (size, size), 0.0, nature.gloss, nature.rough, ripple)
+    sort = KINDS[kind]
+    pattern = sort.patterns[int(rng.integers(len(sort.patterns)))]
+    colours = _around(rng, colour(rng, sort.saturation, sort.bright), sort.spread)
+    if rng.random() < sort.spread / 2:
+        colours = np.stack([colour(rng, sort.saturation) for _ in range(3)])
+    size = rng.uniform(*sort.span)
+    shiny = rng.random() < sort.shiny
+    return Material(
+        pattern,
+        _inked(rng, pattern, colours),
+        (size, size * rng.uniform(0.7, 1.4)),
+        0.0,
+        float(rng.uniform(*sort.gloss)) if shiny else 0.0,
+        float(rng.uniform(*sort.rough)),
+    )
+
+
+def _inked(rng: Generator, pattern: str, colours: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the colours that the texture's three shares stand for; a print has its own inks."""
+    if pattern not in PRINTS:
+        return colours
+    inks = rng.uniform(0.5, 0.95) * np.exp(rng.normal(0, 0.05, 3))
+    mixed = np.diag(inks) * 0.96 + 0.01
+    faded = rng.beta(1, 3) * 0.6
+    return np.asarray(np.clip((1 - faded) * mixed + faded * mixed.mean(0) / 3, 0.0, 0.97))
 
 
 def fitted(rng: Generator, kind: str, width: float, height: float) -> Material:
     """Return a material whose pattern covers a surface of the given size exactly once."""
-    base = material(rng, kind)
-    return Material(base.pattern, base.colours, (width, height))
+    return replace(material(rng, kind), size=(width, height))
+
+
+def shown(picture: str, size: tuple[float, float], strength: float) -> Material:
+    """Return a screen or a view that shines with a print's colours, once on the given size."""
+    return Material(picture, np.eye(3) * strength, size, 1.0)
 
 
 def glowing(rng: Generator, pattern: str, strength: float) -> Material:

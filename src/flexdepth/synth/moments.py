@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from flexdepth.synth.materials import Part
 from flexdepth.synth.movers import Mover
-from flexdepth.synth.render import Stage
 from flexdepth.synth.shapes import Array
+from flexdepth.synth.stage import Stage, smooth_normals
 from flexdepth.synth.viewpoints import Viewpoint
 
 Single = NDArray[np.float32]
@@ -170,7 +170,8 @@ class Play:
         tracer = EmbreeScene()
         TriangleMesh(tracer, moving.astype(np.float32))
         both = TwoTracers(self.stage.tracer, tracer, len(self.still))
-        return Moment(replace(self.stage, tracer=both), self.still, moving)
+        normals = np.concatenate([self.stage.normals[: len(self.still)], smooth_normals(meshes)])
+        return Moment(replace(self.stage, tracer=both, normals=normals), self.still, moving)
 
 
 def _with_parts(rng: Generator, stage: Stage, parts: list[Part]) -> Stage:
@@ -181,9 +182,13 @@ def _with_parts(rng: Generator, stage: Stage, parts: list[Part]) -> Stage:
     return replace(
         stage,
         uv=np.concatenate([stage.uv, more.uv]),
+        normals=np.concatenate([stage.normals, more.normals]),
         material=np.concatenate([stage.material, more.material + len(stage.colours)]),
         colours=np.concatenate([stage.colours, more.colours]),
         size=np.concatenate([stage.size, more.size]),
         glow=np.concatenate([stage.glow, more.glow]),
+        gloss=np.concatenate([stage.gloss, more.gloss]),
+        rough=np.concatenate([stage.rough, more.rough]),
+        ripple=np.concatenate([stage.ripple, more.ripple]),
         layer=np.concatenate([stage.layer, more.layer]),
     )

@@ -23,6 +23,8 @@ class Motion:
         flexible: Least and most number of movers that bend.
         feet: Share of the movers that stand, walk or roll on the ground and whose contact with it
             is seen in the first frame; the others are in the air.
+        shutter: Share of the time between two frames during which the shutter is open, and what
+            moves is blurred; 0 freezes it.
     """
 
     frames: int = 1
@@ -33,6 +35,7 @@ class Motion:
     rigid: tuple[int, int] = (0, 2)
     flexible: tuple[int, int] = (0, 2)
     feet: float = 2 / 3
+    shutter: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse what cannot be filmed."""
@@ -47,6 +50,8 @@ class Motion:
                 f"a sequence has >= 1 frames, a rate > 0 and a share of feet from 0 to 1, "
                 f"got {self}"
             )
+        if not 0 <= self.shutter <= 1:
+            raise InputError(f"a shutter is open for a share from 0 to 1, got {self.shutter:g}")
         if self.focal is not None and self.focal <= 0:
             raise InputError(f"a focal length is more than 0 pixels, got {self.focal:g}")
 

@@ -1,94 +1,19 @@
 """Things that stand in streets. Every function returns parts around the origin, on y = 0."""
 
-from itertools import pairwise
-
 import numpy as np
 from numpy.random import Generator
 
-from flexdepth.synth.furniture import Parts, placed
-from flexdepth.synth.materials import Material, Part, colour, fitted, material
+from flexdepth.synth.furniture import Parts
+from flexdepth.synth.materials import Part, material
 from flexdepth.synth.shapes import (
-    Mesh,
     blob,
     box,
     cushion,
     joined,
     leaves,
-    prism,
-    quad,
     revolved,
     tube,
 )
-
-_CAR = ((-2.1, 0.25), (-2.15, 0.6), (-1.9, 0.78), (-1.0, 0.9), (1.9, 0.92), (2.1, 0.7), (2.1, 0.25))
-_CABIN = ((-1.1, 0.88), (-0.35, 1.42), (0.9, 1.45), (1.75, 0.9))
-_VAN = ((-2.5, 0.25), (-2.55, 0.95), (-2.0, 1.15), (-1.3, 1.9), (2.5, 2.0), (2.55, 0.25))
-_VAN_GLASS = ((-1.95, 1.15), (-1.35, 1.8), (-0.4, 1.82), (-0.4, 1.15))
-
-
-def _wheels(width: float, base: float, radius: float) -> Mesh:
-    disc = revolved([(0, -0.1), (radius, -0.1), (radius, 0.1), (0, 0.1)], 16)
-    upright = disc.turned(np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]]))
-    return joined(
-        [
-            upright.placed((i * (width / 2 - 0.08), radius, j * base / 2))
-            for i in (-1, 1)
-            for j in (-1, 1)
-        ]
-    )
-
-
-def vehicle(rng: Generator) -> Parts:
-    """A car or a van that drives towards -z."""
-    van = rng.random() < 0.2
-    body, glass = (_VAN, _VAN_GLASS) if van else (_CAR, _CABIN)
-    width = 1.95 if van else 1.75
-    stretch = rng.uniform((0.95, 0.9, 0.8), (1.08, 1.15, 1.15))
-    shade = colour(rng, 1.0, (0.01, 0.8))
-    paint = Material("plain", np.stack([shade, shade * 0.8, shade * 0.6]), (3.0, 3.0))
-    cabin = Part(prism(glass, width * (1.005 if van else 0.86)), material(rng, "glass"))
-    lamp = [
-        box((i * width * 0.36, 0.66, j * 2.12), (0.3, 0.14, 0.1)) for i in (-1, 1) for j in (-1, 1)
-    ]
-    parts = [
-        Part(prism(body, width), paint),
-        cabin,
-        Part(_wheels(width, 2.6 if not van else 3.1, 0.32), material(rng, "tyre")),
-        Part(joined(lamp), material(rng, "paint")),
-    ]
-    if not van:
-        parts.append(Part(box((0, 1.45, 0.25), (width * 0.8, 0.05, 1.25)), paint))
-    return [Part(part.mesh.scaled(stretch), part.material) for part in parts]
-
-
-def bicycle(rng: Generator) -> Parts:
-    """A bicycle along z, leaning on nothing."""
-    angle = np.linspace(0, 2 * np.pi, 17)
-    rims = []
-    for z in (-0.52, 0.52):
-        ring = np.stack([0 * angle, 0.34 + 0.33 * np.sin(angle), z + 0.33 * np.cos(angle)], 1)
-        rims += [tube(a, b, (0.02, 0.02), 5) for a, b in pairwise(ring)]
-    joints = {
-        "seat": (0, 0.9, 0.2),
-        "pedal": (0, 0.3, 0.05),
-        "head": (0, 0.85, -0.4),
-        "rear": (0, 0.34, 0.52),
-        "front": (0, 0.34, -0.52),
-    }
-    pairs = (
-        ("seat", "pedal"),
-        ("pedal", "head"),
-        ("head", "front"),
-        ("seat", "rear"),
-        ("pedal", "rear"),
-        ("seat", "head"),
-    )
-    frame = [tube(joints[a], joints[b], (0.02, 0.02), 5) for a, b in pairs]
-    bar = tube((-0.28, 1.0, -0.38), (0.28, 1.0, -0.38), (0.015, 0.015), 5)
-    return [
-        Part(joined(rims), material(rng, "tyre")),
-        Part(joined([*frame, bar]), material(rng, "metal")),
-    ]
 
 
 def tree(rng: Generator) -> Parts:
@@ -161,62 +86,3 @@ def fence(rng: Generator) -> Parts:
     ]
     rails = [box((0, height * y, 0), (length, 0.06, 0.03)) for y in (0.2, 0.85)]
     return [Part(joined(posts + rails), material(rng, str(rng.choice(["wood", "metal", "paint"]))))]
-
-
-def house(rng: Generator, width: float) -> Parts:
-    """A building whose front stands in the plane z = 0, facing -z, `width` wide."""
-    storey = rng.uniform(2.7, 3.5)
-    storeys = int(rng.integers(1, 7)) if rng.random() < 0.5 else int(rng.integers(1, 3))
-    height, depth = storeys * storey, rng.uniform(6, 14)
-    bays = max(1, round(width / rng.uniform(2.2, 4.0)))
-    look = material(rng, "brickwork")
-    parts = [Part(box((0, height / 2, depth / 2), (width, height, depth)), look)]
-    parts += _facade(rng, width, storey, storeys, bays)
-    if rng.random() < 0.6:
-        peak, eave = height + rng.uniform(0.25, 0.6) * depth / 2, 0.35
-        gable = [(-eave, height - 0.1), (depth / 2, peak), (depth + eave, height - 0.1)]
-        parts.append(
-            Part(
-                prism(gable, width + (2 * eave if rng.random() < 0.7 else 0)), material(rng, "roof")
-            )
-        )
-    else:
-        parts.append(
-            Part(
-                box((0, height, depth / 2), (width + 0.4, 0.35, depth + 0.4)),
-                material(rng, "paint"),
-            )
-        )
-    return parts
-
-
-def _facade(rng: Generator, width: float, storey: float, storeys: int, bays: int) -> Parts:
-    """Return windows set into the front, a door, and shop windows on some ground floors."""
-    shop = rng.random() < 0.25
-    pitch = width / bays
-    wide, tall = pitch * rng.uniform(0.3, 0.65), storey * rng.uniform(0.35, 0.6)
-    sill, inset = storey * rng.uniform(0.2, 0.35), rng.uniform(-0.03, 0.02)
-    panes, frames, doors = [], [], []
-    for floor in range(storeys):
-        for bay in range(bays):
-            x, y = (bay + 0.5) * pitch - width / 2, floor * storey
-            if floor == 0 and (shop or bay == bays // 2):
-                span = pitch * 0.9 if shop else 1.0
-                doors.append(quad((x - span / 2, 0.15, -0.04), (span, 0, 0), (0, 2.2, 0)))
-                continue
-            panes.append(quad((x - wide / 2, y + sill, inset - 0.03), (wide, 0, 0), (0, tall, 0)))
-            frames.append(box((x, y + sill, -0.06), (wide + 0.25, 0.1, 0.2)))
-            frames.append(box((x, y + sill + tall, -0.04), (wide + 0.2, 0.12, 0.12)))
-    parts: Parts = []
-    if panes:
-        glass = fitted(rng, "facade", wide, tall) if rng.random() < 0.4 else material(rng, "glass")
-        parts += [Part(joined(panes), glass), Part(joined(frames), material(rng, "paint"))]
-    if doors:
-        parts.append(Part(joined(doors), material(rng, "poster" if shop else "cabinet")))
-    if rng.random() < 0.25 and storeys > 1:
-        bands = [box((0, k * storey, -0.05), (width, 0.2, 0.15)) for k in range(1, storeys)]
-        parts.append(Part(joined(bands), material(rng, "paint")))
-    return parts
-
-
-__all__ = ["bicycle", "bush", "fence", "house", "placed", "pole", "tree", "vehicle"]

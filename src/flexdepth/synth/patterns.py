@@ -5,7 +5,6 @@ of the material replace the first.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -152,59 +151,96 @@ def panels(rng: Generator) -> Array:
     return _pair(np.where(groove, 1.0, 0.15 * fractal(rng, 1.2)), knob)
 
 
+def weave(rng: Generator) -> Array:
+    """Threads or fine uneven lines: carpet tiles, ribs, cloth from near."""
+    lines = fractal(rng, 0.3)[0]
+    threads = np.broadcast_to(lines[None], (SIZE, SIZE))
+    if rng.random() < 0.4:
+        threads = np.where(
+            ((4 * _ROW).astype(int) + (4 * _COLUMN).astype(int)) % 2, threads, threads.T
+        )
+    fine = np.clip(threads * rng.uniform(0.6, 1.2) + 0.3 * fractal(rng, 0.2), 0, 1)
+    return _pair(fine, 0.4 * (cv2.blur(fractal(rng, 0.1), (1, 9)) > 0.6))
+
+
+def doors(rng: Generator) -> Array:
+    """Smooth fronts with thin gaps and long handles."""
+    columns, rows = int(rng.integers(1, 4)), int(rng.integers(1, 4))
+    x, y = (columns * _COLUMN) % 1, (rows * _ROW) % 1
+    gap = (np.minimum(x, 1 - x) < 0.008 * columns) | (np.minimum(y, 1 - y) < 0.008 * rows)
+    level = rng.choice([0.12, 0.88])
+    handle = (np.abs(x - 0.5) < 0.22) & (np.abs(y - level) < 0.02)
+    return _pair(np.where(gap, 1.0, 0.1 * fractal(rng, 1.2)), handle)
+
+
+def keys(rng: Generator) -> Array:
+    """Rows of keys; the second colour is the gap, the third the signs."""
+    columns, rows = int(rng.integers(12, 18)), int(rng.integers(4, 7))
+    x, y = (columns * _COLUMN) % 1, (rows * _ROW) % 1
+    gap = (np.minimum(x, 1 - x) < 0.07) | (np.minimum(y, 1 - y) < 0.07)
+    return _pair(gap, (np.abs(x - 0.4) < 0.08) & (np.abs(y - 0.4) < 0.12))
+
+
+def turf(rng: Generator) -> Array:
+    """Grass, needles and straw from above: strokes over strokes, dark between them."""
+    canvas = np.zeros((SIZE, SIZE), np.uint8)
+    length, slant = rng.uniform(6, 26), rng.uniform(0, np.pi)
+    spread, count = rng.uniform(0.3, 1.6), int(4500 / length)
+    for shade in np.linspace(30, 255, 8):
+        start = rng.uniform(0, SIZE, (count, 2))
+        angle = slant + rng.normal(0, spread, count)
+        end = start + length * np.stack([np.cos(angle), np.sin(angle)], 1)
+        for shift in _AROUND:
+            strokes = np.stack([start + shift, end + shift], 1).round().astype(np.int32)
+            cv2.polylines(canvas, list(strokes), False, int(shade), 1, cv2.LINE_AA)
+    return _pair(canvas / 255, 0.6 * fractal(rng, 1.2))
+
+
+def foliage(rng: Generator) -> Array:
+    """Leaves beside and above one another, with light and dark ones and gaps."""
+    canvas = np.zeros((SIZE, SIZE), np.uint8)
+    size = rng.uniform(4, 15)
+    for shade in np.linspace(25, 255, 8):
+        for x, y, turn in rng.uniform(0, (SIZE, SIZE, 180), (int(4000 / size**1.6) + 8, 3)):
+            tone = int(shade * rng.uniform(0.6, 1))
+            axes = (int(size * rng.uniform(0.7, 1.2)), int(max(1, size * rng.uniform(0.25, 0.5))))
+            for right, down in _AROUND:
+                middle = (int(x + right), int(y + down))
+                cv2.ellipse(canvas, middle, axes, float(turn), 0, 360, tone, -1, cv2.LINE_AA)
+    return _pair(canvas / 255, 0.4 * fractal(rng, 0.8))
+
+
+def pebbles(rng: Generator) -> Array:
+    """Stones of all sizes with dark joints: gravel, cobbles, dry earth, rubble."""
+    count = int(np.exp(rng.uniform(np.log(40), np.log(900))))
+    place = rng.uniform(0, 1, (count, 2))
+    shade = rng.random(count)
+    tiled = np.concatenate([place + shift for shift in _AROUND / SIZE])
+    seeds = np.full((3 * SIZE, 3 * SIZE), 255, np.uint8)
+    column, row = ((tiled + 1) * SIZE).astype(int).T
+    inside = (column >= 0) & (row >= 0) & (column < 3 * SIZE) & (row < 3 * SIZE)
+    seeds[row[inside], column[inside]] = 0
+    distance, label = cv2.distanceTransformWithLabels(
+        seeds, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    middle = slice(SIZE, 2 * SIZE)
+    number, rim = label[middle, middle], distance[middle, middle]
+    tone = np.zeros(int(label.max()) + 1)
+    tone[label[row[inside], column[inside]]] = np.tile(shade, len(_AROUND))[inside]
+    edge = cv2.morphologyEx(number.astype(np.float32), cv2.MORPH_GRADIENT, np.ones((2, 2))) > 0
+    bulge = rim / max(float(rim.max()), 1)
+    return _pair(np.clip(tone[number] - 0.5 * bulge, 0, 1), 0.8 * edge + 0.2 * fractal(rng, 0.5))
+
+
+_AROUND = SIZE * np.array([(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)])
+"""Shifts by a whole period, so that what is drawn across a border comes in at the other side."""
+
+
 PATTERNS: dict[str, Callable[[Generator], Array]] = {
     maker.__name__: maker
     for maker in (
         plain, mottled, speckled, spots, checks, stripes, bricks,
-        tiles, wood, collage, print_lines, windows, panels,
+        tiles, wood, collage, print_lines, windows, panels, weave, doors, keys,
+        turf, foliage, pebbles,
     )
 }  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False)
-class Library:
-    """Several variants of every pattern, each with its halvings for distant surfaces.
-
-    Attributes:
-        variants: How many of each pattern; variant v of pattern p is layer `p * variants + v`.
-        levels: Layers by rows by columns by 2, uint8; each level half the size of the one before.
-    """
-
-    variants: int
-    levels: tuple[NDArray[np.uint8], ...]
-
-    @classmethod
-    def made(cls, rng: Generator, variants: int) -> "Library":
-        """Return a library drawn from the generator."""
-        layers = [255 * make(rng) for make in PATTERNS.values() for _ in range(variants)]
-        levels = [np.asarray(layers).round().astype(np.uint8)]
-        while levels[-1].shape[1] > 1:
-            fine = levels[-1].astype(np.uint16)
-            halved = (
-                fine[:, ::2, ::2] + fine[:, 1::2, ::2] + fine[:, ::2, 1::2] + fine[:, 1::2, 1::2]
-            )
-            levels.append(((halved + 2) // 4).astype(np.uint8))
-        return cls(variants, tuple(levels))
-
-    def layer(self, rng: Generator, pattern: str) -> int:
-        """Return the layer of one variant of the pattern."""
-        return list(PATTERNS).index(pattern) * self.variants + int(rng.integers(self.variants))
-
-    def weights(
-        self, layer: NDArray[np.intp], uv: NDArray[np.floating], texels: NDArray[np.floating]
-    ) -> NDArray[np.float32]:
-        """Return the two weights at each texture coordinate.
-
-        Args:
-            layer: The layer of each point.
-            uv: Points by two coordinates; the pattern repeats with period 1.
-            texels: How many finest texels one pixel covers at each point; it selects the level.
-        """
-        level = np.clip(np.log2(np.maximum(texels, 1)).round(), 0, len(self.levels) - 1).astype(int)
-        out = np.empty((len(layer), 2), np.float32)
-        for k, stack in enumerate(self.levels):
-            here = np.flatnonzero(level == k)
-            side = stack.shape[1]
-            column, row = (np.floor(uv[here] * side).astype(int) % side).T
-            out[here] = stack[layer[here], row, column]
-        return out / np.float32(255)

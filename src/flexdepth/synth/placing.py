@@ -9,8 +9,8 @@ from numpy.random import Generator
 from flexdepth.synth.correspondence import Camera
 from flexdepth.synth.courses import Course
 from flexdepth.synth.movers import Ground, Kind, Mover, kinds
-from flexdepth.synth.render import Stage
 from flexdepth.synth.shapes import Array
+from flexdepth.synth.stage import Stage
 
 _SPOTS = 64
 """Spots that are looked at for one mover."""

@@ -4,21 +4,12 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from embreex.mesh_construction import TriangleMesh
-from embreex.rtcore_scene import EmbreeScene
 from numpy.random import Generator
-from numpy.typing import NDArray
 
-from flexdepth.synth.patterns import SIZE, Library, fractal
-from flexdepth.synth.scene import AreaLight, Scene, Sun
+from flexdepth.synth.lighting import hazy, irradiance, mirrored, surface_colours
+from flexdepth.synth.skylight import Dome
+from flexdepth.synth.stage import Array, Hits, Stage
 from flexdepth.synth.viewpoints import Viewpoint
-
-Array = NDArray[np.float32]
-
-AMBIENT_RAYS = 4
-SHADOW_RAYS = 3
-_OFFSET = 2e-3
-"""Metres by which a secondary ray starts off its surface, so that it does not hit it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,62 +25,6 @@ class Rendering:
     light: Array
     depth: Array
     focal: float
-
-
-@dataclass(frozen=True, eq=False)
-class _Hits:
-    """The first surface along each ray that meets one.
-
-    Attributes:
-        pixel: Flat index of the ray.
-        point: Position, moved off the surface towards the viewer.
-        normal: Unit normal, towards the viewer.
-        triangle: Index of the triangle.
-        uv: Texture coordinates, metres.
-        footprint: Metres of surface that one pixel covers.
-    """
-
-    pixel: NDArray[np.intp]
-    point: Array
-    normal: Array
-    triangle: NDArray[np.intp]
-    uv: Array
-    footprint: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Stage:
-    """A scene made ready for rays: one mesh, one table of materials."""
-
-    scene: Scene
-    tracer: EmbreeScene
-    uv: Array
-    material: NDArray[np.intp]
-    colours: Array
-    size: Array
-    glow: Array
-    layer: NDArray[np.intp]
-    library: Library
-
-    @classmethod
-    def built(cls, rng: Generator, scene: Scene, library: Library) -> "Stage":
-        """Return the scene with its acceleration structure built."""
-        corners = np.concatenate([part.mesh.corners for part in scene.parts]).astype(np.float32)
-        tracer = EmbreeScene()
-        TriangleMesh(tracer, corners)
-        materials = [part.material for part in scene.parts]
-        counts = [len(part.mesh.corners) for part in scene.parts]
-        return cls(
-            scene=scene,
-            tracer=tracer,
-            uv=np.concatenate([part.mesh.uv for part in scene.parts]).astype(np.float32),
-            material=np.repeat(np.arange(len(counts)), counts),
-            colours=np.array([m.colours for m in materials], np.float32),
-            size=np.array([m.size for m in materials], np.float32),
-            glow=np.array([m.glow for m in materials], np.float32),
-            layer=np.array([library.layer(rng, m.pattern) for m in materials]),
-            library=library,
-        )
 
 
 def render(
@@ -110,18 +45,18 @@ def render(
     focal = view.focal * float(np.hypot(width, height))
     rays = _camera_rays(width, height, focal)
     hits, depth = _first_hits(stage, view, rays, focal)
-    light = _sky(weather or rng, stage.scene, rays @ view.world_from_camera.T.astype(np.float32))
-    emitted, albedo = _surface_colours(stage, hits)
-    irradiance = np.zeros_like(light)
-    irradiance[hits.pixel] = _ambient(rng, stage, hits)
-    for lamp in stage.scene.lamps:
-        irradiance[hits.pixel] += _from_lamp(rng, stage, hits, lamp)
-    if stage.scene.sun is not None:
-        irradiance[hits.pixel] += _from_sun(rng, stage, hits, stage.scene.sun)
-    guide = np.zeros_like(light)
-    guide[hits.pixel] = 0.5 * hits.normal + np.log(depth.reshape(-1)[hits.pixel, None])
-    smooth = _denoised(irradiance.reshape(height, width, 3), guide.reshape(height, width, 3))
-    light[hits.pixel] = emitted + albedo * smooth.reshape(-1, 3)[hits.pixel]
+    seen = hits.ray
+    dome = Dome.drawn(weather or rng, stage.scene)
+    light = dome.light(rays @ view.world_from_camera.T.astype(np.float32))
+    emitted, albedo = surface_colours(stage, hits)
+    arriving, guide = np.zeros_like(light), np.zeros_like(light)
+    arriving[seen] = irradiance(rng, stage, hits)
+    guide[seen] = 0.5 * hits.shading + np.log(depth[seen, None])
+    shape = height, width, 3
+    smooth = _denoised(arriving.reshape(shape), guide.reshape(shape)).reshape(-1, 3)
+    share, other = mirrored(stage, dome, hits)
+    own = emitted + (1 - share) * albedo * smooth[seen] + share * other
+    light[seen] = hazy(dome, hits, view.eye, own)
     return Rendering(light.reshape(height, width, 3), depth.reshape(height, width), focal)
 
 
@@ -135,11 +70,13 @@ def worth_taking(stage: Stage, view: Viewpoint, aspect: float) -> bool:
     width = round(height * aspect)
     focal = view.focal * float(np.hypot(width, height))
     hits, depth = _first_hits(stage, view, _camera_rays(width, height, focal), focal)
-    if len(hits.pixel) < 0.4 * len(depth):
+    if len(hits.ray) < (0.25 if stage.scene.outdoors else 0.4) * len(depth):
         return False
-    near, middle, far = np.percentile(depth[hits.pixel], (4, 50, 95))
+    near, middle, far = np.percentile(depth[hits.ray], (4, 50, 95))
     things = np.unique(stage.material[hits.triangle]).size
-    return bool(near > 0.35 and middle > 0.8 and far > 1.5 * near and things >= 7)
+    nearest = stage.scene.nearest
+    varied = far > 1.5 * near and things >= stage.scene.variety
+    return bool(near > nearest and middle > 2.25 * nearest and varied)
 
 
 def _camera_rays(width: int, height: int, focal: float) -> Array:
@@ -149,103 +86,18 @@ def _camera_rays(width: int, height: int, focal: float) -> Array:
     return np.stack([x, y, np.ones_like(x)], 1).astype(np.float32)
 
 
-def _first_hits(stage: Stage, view: Viewpoint, rays: Array, focal: float) -> tuple[_Hits, Array]:
+def _first_hits(stage: Stage, view: Viewpoint, rays: Array, focal: float) -> tuple[Hits, Array]:
     """Return the surfaces that the camera sees and the depth of every ray.
 
     The directions have z = 1 in the camera, so Embree's ray parameter is the depth.
     """
     directions = rays @ view.world_from_camera.T.astype(np.float32)
     origins = np.broadcast_to(view.eye.astype(np.float32), directions.shape).copy()
-    found = stage.tracer.run(origins, directions, output=1)
-    pixel = np.flatnonzero(found["primID"] >= 0)
-    depth = np.full(len(rays), np.inf, np.float32)
-    depth[pixel] = found["tfar"][pixel]
-    normal = found["Ng"][pixel]
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-20)
-    towards = (normal * directions[pixel]).sum(1, keepdims=True)
-    normal = np.where(towards > 0, -normal, normal)
-    slant = np.abs(towards[:, 0]) / np.linalg.norm(directions[pixel], axis=1)
-    triangle = found["primID"][pixel].astype(np.intp)
-    u, v = found["u"][pixel, None], found["v"][pixel, None]
-    corner = stage.uv[triangle]
-    hits = _Hits(
-        pixel=pixel,
-        point=origins[pixel] + depth[pixel, None] * directions[pixel] + _OFFSET * normal,
-        normal=normal,
-        triangle=triangle,
-        uv=corner[:, 0] * (1 - u - v) + corner[:, 1] * u + corner[:, 2] * v,
-        footprint=depth[pixel] / focal / np.sqrt(np.maximum(slant, 0.02)),
-    )
-    return hits, depth
-
-
-def _surface_colours(stage: Stage, hits: _Hits) -> tuple[Array, Array]:
-    """Return the emitted light and the albedo at each hit."""
-    material = stage.material[hits.triangle]
-    size = stage.size[material]
-    texels = (SIZE * hits.footprint / size.mean(1)).astype(np.float32)
-    weights = stage.library.weights(stage.layer[material], hits.uv / size, texels)
-    first, second, third = np.moveaxis(stage.colours[material], 1, 0)
-    colour = first + weights[:, :1] * (second - first)
-    colour += weights[:, 1:] * (third - colour)
-    glow = stage.glow[material][:, None]
-    return glow * colour, np.where(glow > 0, 0, colour)
-
-
-def _ambient(rng: Generator, stage: Stage, hits: _Hits) -> Array:
-    """Return ambient irradiance: the open share of a cosine-weighted hemisphere."""
-    reach = stage.scene.occlusion_reach
-    openness = np.zeros(len(hits.pixel), np.float32)
-    for _ in range(AMBIENT_RAYS):
-        ball = rng.standard_normal(hits.point.shape, np.float32)
-        ball /= np.linalg.norm(ball, axis=1, keepdims=True)
-        distance = stage.tracer.run(hits.point, hits.normal + 0.999 * ball, query="DISTANCE")
-        openness += np.minimum(distance * np.linalg.norm(hits.normal + ball, axis=1) / reach, 1)
-    return (openness[:, None] / AMBIENT_RAYS * stage.scene.ambient).astype(np.float32)
-
-
-def _from_lamp(rng: Generator, stage: Stage, hits: _Hits, lamp: AreaLight) -> Array:
-    """Return the irradiance from a lamp, sampled at random points of it."""
-    rays = max(1, SHADOW_RAYS // len(stage.scene.lamps))
-    total = np.zeros(len(hits.pixel), np.float32)
-    for _ in range(rays):
-        jitter = rng.random(hits.point.shape, np.float32) - 0.5
-        target = lamp.centre + lamp.side * jitter * (1, 0, 1)
-        path = (target - hits.point).astype(np.float32)
-        distance = np.linalg.norm(path, axis=1)
-        free = stage.tracer.run(hits.point, path, query="DISTANCE") > 0.995
-        facing = np.maximum((hits.normal * path).sum(1) / distance, 0)
-        total += np.where(free, facing / (distance**2 + 0.15), 0)
-    return (total[:, None] / rays * lamp.power).astype(np.float32)
-
-
-def _from_sun(rng: Generator, stage: Stage, hits: _Hits, sun: Sun) -> Array:
-    """Return the irradiance from the sun, with shadows as soft as half a degree makes them."""
-    total = np.zeros(len(hits.pixel), np.float32)
-    for _ in range(SHADOW_RAYS - 1):
-        path = (sun.towards + rng.normal(0, 0.01, hits.point.shape)).astype(np.float32)
-        free = stage.tracer.run(hits.point, path, query="OCCLUDED") < 0
-        total += np.where(free, np.maximum((hits.normal * path).sum(1), 0), 0)
-    return (total[:, None] / (SHADOW_RAYS - 1) * sun.power).astype(np.float32)
+    return stage.hits(origins, directions, focal)
 
 
 def _denoised(irradiance: Array, guide: Array) -> Array:
     """Return the irradiance smoothed within surfaces."""
     ceiling = float(np.percentile(irradiance, 99.5)) + 1e-6
     bounded = np.minimum(irradiance, ceiling).astype(np.float32)
-    return np.asarray(cv2.ximgproc.jointBilateralFilter(guide, bounded, 7, 0.15, 2.0), np.float32)
-
-
-def _sky(rng: Generator, scene: Scene, directions: Array) -> Array:
-    """Return the sky's light along each direction: a gradient with clouds."""
-    unit = directions / np.linalg.norm(directions, axis=1, keepdims=True)
-    height = np.clip(unit[:, 1], 0, 1)
-    gradient = scene.horizon + (height[:, None] ** 0.6) * (scene.zenith - scene.horizon)
-    if scene.clouds == 0:
-        return np.asarray(gradient, np.float32)
-    field = fractal(rng, 1.6).astype(np.float32)
-    plane = unit[:, [0, 2]] / (height[:, None] + 0.12)
-    texel = np.floor(plane * SIZE * 0.12).astype(int) % SIZE
-    cover = np.clip((field[texel[:, 0], texel[:, 1]] - 1 + scene.clouds) * 3, 0, 1)[:, None]
-    white = float(scene.horizon.mean()) * rng.uniform(0.6, 1.3)
-    return np.asarray(gradient + cover * (white - gradient), np.float32)
+    return np.asarray(cv2.ximgproc.jointBilateralFilter(guide, bounded, 9, 0.15, 2.5), np.float32)

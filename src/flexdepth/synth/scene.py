@@ -1,6 +1,7 @@
 """A scene: parts, light and sky, and where a camera may stand in it."""
 
 from dataclasses import dataclass
+from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,59 @@ class Sun:
 
 
 @dataclass(frozen=True, eq=False)
+class Beam:
+    """Sunlight that comes into a room through a window in a wall that is otherwise closed.
+
+    Attributes:
+        corner: A corner of the opening, metres.
+        along: From there to the next corner.
+        up: And to the other neighbour.
+        panes: Panes in a row and in a column; the bars between them cast shadows.
+        towards: Unit vector to the sun.
+        power: Red, green, blue irradiance on a surface that faces the sun.
+    """
+
+    corner: NDArray[np.float64]
+    along: NDArray[np.float64]
+    up: NDArray[np.float64]
+    panes: int
+    towards: NDArray[np.float64]
+    power: NDArray[np.float64]
+
+
+class Aim(Enum):
+    """What a camera is turned to."""
+
+    ROAD = "road"
+    """Either way along z."""
+    AROUND = "around"
+    """Any direction."""
+    SUBJECT = "subject"
+    """The scene's subject."""
+
+
+@dataclass(frozen=True)
+class Carrier:
+    """Who holds a camera, and how.
+
+    Attributes:
+        height: Of the camera above y = 0, least and most, metres.
+        aim: What it is turned to.
+        yaw: Spread of the heading around that, radians.
+        pitch: Mean and spread of the upward tilt, radians.
+        roll: Spread of the roll, radians.
+        view: Least and most width of the picture, degrees.
+    """
+
+    height: tuple[float, float]
+    aim: Aim
+    yaw: float
+    pitch: tuple[float, float]
+    roll: float
+    view: tuple[float, float] = (40.0, 88.0)
+
+
+@dataclass(frozen=True, eq=False)
 class Scene:
     """Everything that is rendered.
 
@@ -51,7 +105,15 @@ class Scene:
         clouds: Share of the sky that is clouded.
         eyes: Region where cameras stand, low corner and high corner, metres.
         outdoors: Whether cameras look as cars and walkers do, along z, or around a room.
+        beams: Sunlight through windows.
+        subjects: Regions worth a look from near, low corner and high corner, metres.
         road: Half the width of a road on y = 0 along z, in the middle; 0 where there is none.
+        gloom: How much darker the thick of a cloud is than its rim, 0 to 1.
+        haze: Share of a thing's light that is lost in each metre of air.
+        carriers: Who holds cameras here, each with a share; nobody in particular where empty.
+        subject: What cameras are mostly turned to, or None.
+        nearest: Metres that a camera keeps from what fills more than a corner of its picture.
+        variety: Surfaces of how many materials a picture shows at least.
     """
 
     parts: list[Part]
@@ -65,3 +127,11 @@ class Scene:
     eyes: tuple[NDArray[np.float64], NDArray[np.float64]]
     outdoors: bool
     road: float = 0.0
+    beams: tuple[Beam, ...] = ()
+    subjects: tuple[tuple[NDArray[np.float64], NDArray[np.float64]], ...] = ()
+    gloom: float = 0.0
+    haze: float = 0.0
+    carriers: tuple[tuple[float, Carrier], ...] = ()
+    subject: NDArray[np.float64] | None = None
+    nearest: float = 0.2
+    variety: int = 7

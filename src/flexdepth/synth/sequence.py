@@ -14,11 +14,12 @@ from flexdepth.synth.lens import Film
 from flexdepth.synth.moments import Moment, Sight
 from flexdepth.synth.motion import Motion
 from flexdepth.synth.placing import Surroundings
-from flexdepth.synth.render import render
+from flexdepth.synth.render import Rendering, render
 from flexdepth.synth.shapes import Array
+from flexdepth.synth.shutter import smeared
 from flexdepth.synth.takes import Take, composed, owners
 
-SEQUENCE_VERSION = 1
+SEQUENCE_VERSION = 2
 """Raised when the same (seed, index) no longer gives the same sequence."""
 
 _TRIES = 30
@@ -131,17 +132,38 @@ def filmed(shot: Take, seed: int, index: int) -> Iterator[SequenceFrame]:
         weather = np.random.default_rng([seed, 7, index])
         seen = render(rng, moment.stage, camera.view, shot.width, shot.height, weather)
         shape = shot.height, shot.width
+        forward = None if after is None else correspondence(now, after[:2])
+        backward = None if before is None else correspondence(now, before)
+        light = _exposed(seen, forward, backward, shot.motion.shutter)
         yield SequenceFrame(
-            picture=film.picture(rng, seen.light),
+            picture=film.picture(rng, light),
             depth=sight.depth.reshape(shape),
             mover=(owners(shot.play, sight) + 1).astype(np.uint8).reshape(shape),
             camera=camera,
-            forward=None if after is None else correspondence(now, after[:2]),
-            backward=None if before is None else correspondence(now, before),
+            forward=forward,
+            backward=backward,
         )
         before = now[:2]
         if after is not None:
             now = after
+
+
+def _exposed(
+    seen: Rendering,
+    forward: Correspondence | None,
+    backward: Correspondence | None,
+    share: float,
+) -> NDArray[np.float32]:
+    """Return the light of a frame while its shutter is open; the last frame's motion goes on."""
+    if share == 0:
+        return seen.light
+    if forward is not None:
+        flow = forward.flow
+    elif backward is not None:
+        flow = -backward.flow
+    else:
+        return seen.light
+    return smeared(seen.light, seen.depth, flow.astype(np.float32), share)
 
 
 def _seen(shot: Take, frame: int) -> tuple[Camera, Moment, Sight]:

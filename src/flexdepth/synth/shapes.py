@@ -6,6 +6,7 @@ keeps its size on whatever it is put.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import cos, pi, sin
 
 import numpy as np
@@ -65,14 +66,25 @@ def quad(origin: ArrayLike, along: ArrayLike, up: ArrayLike) -> Mesh:
 
 def box(centre: ArrayLike, size: ArrayLike) -> Mesh:
     """Return the axis-aligned box."""
-    half = np.diag(np.asarray(size, float)) / 2
-    sides = []
+    corners, axes, share = _cube()
+    edges = np.asarray(size, float)
+    return Mesh(corners * edges + np.asarray(centre, float), share * edges[axes][:, None])
+
+
+@lru_cache(maxsize=1)
+def _cube() -> tuple[Array, NDArray[np.intp], Array]:
+    """Return the unit cube: triangles, the axes along which u and v run, and u and v there."""
+    half = np.eye(3) / 2
+    sides, axes = [], []
     for axis in range(3):
-        a, b = 2 * half[(axis + 1) % 3], 2 * half[(axis + 2) % 3]
-        along, up = (b, a) if axis == 0 else (a, b)
-        corner = np.asarray(centre, float) - (a + b) / 2
-        sides += [quad(corner + sign * half[axis], along, up) for sign in (-1, 1)]
-    return joined(sides)
+        first, second = (axis + 1) % 3, (axis + 2) % 3
+        along, up = (second, first) if axis == 0 else (first, second)
+        corner = -half[first] - half[second]
+        for sign in (-1, 1):
+            sides.append(quad(corner + sign * half[axis], 2 * half[along], 2 * half[up]))
+            axes += [(along, up)] * 2
+    cube = joined(sides)
+    return cube.corners, np.array(axes), cube.uv
 
 
 def cushion(centre: ArrayLike, size: ArrayLike, rounding: float = 0.35, segments: int = 10) -> Mesh:
@@ -99,6 +111,11 @@ def surface(grid: Array) -> Mesh:
     down = np.linalg.norm(np.diff(grid, axis=0), axis=-1).mean(1)
     u, v = np.meshgrid(np.r_[0, across.cumsum()], np.r_[0, down.cumsum()])
     return Mesh(_split(grid), _split(np.stack([u, v], -1)))
+
+
+def draped(grid: Array) -> Mesh:
+    """Return the mesh through a grid of points, textured by its ground plan: land."""
+    return Mesh(_split(grid), _split(grid[..., [0, 2]]))
 
 
 def _split(grid: Array) -> Array:
@@ -149,6 +166,38 @@ def tube(start: ArrayLike, end: ArrayLike, radii: tuple[float, float], segments:
     return surface(np.stack([centre + radius * ring for centre, radius in stations]))
 
 
+def wire(line: ArrayLike, radius: float, segments: int = 5) -> Mesh:
+    """Return a tube through a row of points: a stalk, a hoop, a rail, a cable."""
+    points = np.asarray(line, float)
+    along = np.gradient(points, axis=0)
+    # Flat curves keep clear of their plane's normal, so that the tube does not twist.
+    normal = np.linalg.svd(points - points.mean(0), full_matrices=True)[2][2]
+    side = np.cross(along, normal)
+    side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-12)
+    other = np.cross(along, side)
+    other /= np.maximum(np.linalg.norm(other, axis=1, keepdims=True), 1e-12)
+    angle = np.linspace(0, 2 * pi, segments + 1)[None, :, None]
+    ring = np.cos(angle) * side[:, None] + np.sin(angle) * other[:, None]
+    return surface(points[:, None] + radius * ring)
+
+
+def rods(starts: Array, ends: Array, radius: float) -> Mesh:
+    """Return a thin three-sided rod, half as thick at its end, for each pair of points."""
+    along = ends - starts
+    side = np.cross(along, (0.3, 0.2, 1.0))
+    side *= radius / np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-9)
+    length = np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
+    other = np.cross(along / length, side)
+    ring = [side, -0.5 * side + 0.87 * other, -0.5 * side - 0.87 * other]
+    faces = []
+    for k in range(3):
+        a, b = starts + ring[k], starts + ring[(k + 1) % 3]
+        c, d = ends + 0.5 * ring[k], ends + 0.5 * ring[(k + 1) % 3]
+        faces += [np.stack([a, b, c], 1), np.stack([c, b, d], 1)]
+    corners = np.concatenate(faces)
+    return Mesh(corners, corners[..., :2].copy())
+
+
 def blob(rng: Generator, size: ArrayLike, roughness: float, segments: int = 14) -> Mesh:
     """Return an ellipsoid with a lumpy surface: a tree's crown, a bush, a stone, a head of hair."""
     latitude = np.linspace(-pi / 2, pi / 2, segments)[:, None]
@@ -174,10 +223,15 @@ def leaves(rng: Generator, size: ArrayLike, count: int, leaf: float) -> Mesh:
     direction = rng.normal(size=(count, 3))
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     centre = direction * rng.uniform(0.3, 1, (count, 1)) ** 0.5 * np.asarray(size, float) / 2
-    along, across = rng.normal(0, leaf / 2, (2, count, 3))
-    corners = np.stack([centre - along, centre + across, centre + along], 1)
+    return leaves_at(rng, centre, leaf)
+
+
+def leaves_at(rng: Generator, spots: Array, leaf: float) -> Mesh:
+    """Return a small leaf of length `leaf` at each spot, turned anyhow."""
+    along, across = rng.normal(0, leaf / 2, (2, len(spots), 3))
+    corners = np.stack([spots - along, spots + across, spots + along], 1)
     uv = np.array([(0, 0), (leaf, 0), (leaf, leaf)])
-    return Mesh(corners, np.broadcast_to(uv, (count, 3, 2)).copy())
+    return Mesh(corners, np.broadcast_to(uv, (len(spots), 3, 2)).copy())
 
 
 def curtain(rng: Generator, width: float, height: float, fold: float) -> Mesh:

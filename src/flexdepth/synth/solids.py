@@ -10,8 +10,8 @@ from numpy.random import Generator
 from flexdepth.synth.courses import Course
 from flexdepth.synth.furniture import Parts, ball, cabinet, chair, stack, toy_house
 from flexdepth.synth.materials import Material, Part, material
-from flexdepth.synth.outdoor_things import vehicle
 from flexdepth.synth.shapes import Array, Mesh, blob, box, turn
+from flexdepth.synth.vehicles import vehicle
 
 _GRAVITY = 9.81
 

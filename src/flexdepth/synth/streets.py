@@ -1,65 +1,92 @@
 """Streets: a road along z between pavements, houses, gardens, trees and parked cars."""
 
-from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.random import Generator
 
-from flexdepth.synth.furniture import Parts, person, placed
+from flexdepth.synth.buildings import building
+from flexdepth.synth.bystanders import bystander
+from flexdepth.synth.landscapes import under
 from flexdepth.synth.materials import Part, material
-from flexdepth.synth.outdoor_things import bicycle, bush, fence, house, pole, tree, vehicle
-from flexdepth.synth.scene import Scene, Sun
+from flexdepth.synth.outdoor_things import fence, pole
+from flexdepth.synth.parts import Maker, Parts, placed
+from flexdepth.synth.scene import AreaLight, Scene
 from flexdepth.synth.shapes import Mesh, blob, box, joined, quad
+from flexdepth.synth.skies import weather
+from flexdepth.synth.stock import stocked
+from flexdepth.synth.street_things import (
+    bench,
+    bin_,
+    bollards,
+    bus_stop,
+    cables,
+    hedge,
+    hoarding,
+    lamp_post,
+    letter_box,
+    stall,
+)
+from flexdepth.synth.trees import far_tree, shrub, tree
+from flexdepth.synth.vehicles import bicycle, vehicle
+from flexdepth.synth.viewpoints import ON_ROADS
 
 _REACH = 140.0
 """Metres of street in front of and behind the middle."""
+
+
+@dataclass(frozen=True)
+class _Cast:
+    """What a street is filled with: a few individuals of each kind."""
+
+    tree: Maker
+    shrub: Maker
+    hedge: Maker
+    vehicle: Maker
+    bicycle: Maker
+    person: Maker
+    furniture: Maker
+
+    @classmethod
+    def drawn(cls) -> "_Cast":
+        """Return a cast that is made as it is called for."""
+        return cls(
+            tree=stocked(tree, 5),
+            shrub=stocked(shrub, 4),
+            hedge=stocked(hedge, 2),
+            vehicle=stocked(vehicle, 10),
+            bicycle=stocked(bicycle, 2),
+            person=stocked(bystander, 7),
+            furniture=stocked(_furniture, 6),
+        )
 
 
 def street(rng: Generator) -> Scene:
     """Return a street, a country road or a yard, with the camera on the road or the pavement."""
     half_road = rng.uniform(2.2, 8.0)
     pavement = rng.uniform(0.0, 4.0) if rng.random() < 0.8 else 0.0
+    above = weather(rng)
+    lit = float(rng.uniform(0.15, 0.7)) if above.dark else 0.0
     parts = _ground(rng, half_road, pavement)
+    cast = _Cast.drawn()
     for side in (-1, 1):
-        parts += _roadside(rng, side, half_road, pavement)
-    parts += _traffic(rng, half_road)
+        parts += _roadside(rng, cast, side, (half_road, pavement), lit)
+        parts += _parked(rng, cast, side, half_road)
+    parts += _traffic(rng, cast, half_road)
+    if rng.random() < 0.25:
+        parts += cables(rng, _REACH, half_road + pavement + 0.3)
     parts += _far(rng)
-    bright = rng.uniform(0.6, 1.4)
-    zenith = np.array([rng.uniform(0.25, 0.6), rng.uniform(0.4, 0.7), rng.uniform(0.75, 1.0)])
-    clouds = float(rng.choice([0.0, 1.0]) if rng.random() < 0.4 else rng.random())
-    zenith = zenith + (0.85 - zenith) * clouds
+    posts, lamps = _lamp_posts(rng, half_road, above.dark)
+    parts += posts
     x = half_road + pavement * 0.7
-    return Scene(
-        parts=parts,
-        lamps=[],
-        sun=_sun(rng, clouds),
-        ambient=(0.3 + 0.7 * zenith) * bright * rng.uniform(0.35, 0.8),
-        occlusion_reach=float(rng.uniform(1.5, 5)),
-        horizon=(0.5 * zenith + 0.5) * bright,
-        zenith=zenith * bright,
-        clouds=clouds,
-        eyes=(
-            np.array([-x, rng.uniform(1.0, 1.5), -25.0]),
-            np.array([x, rng.uniform(1.6, 2.3), 25.0]),
-        ),
-        outdoors=True,
+    scene = under(rng, parts, above)
+    return replace(
+        scene,
+        lamps=lamps,
+        eyes=(np.array([-x, 1.0, -25.0]), np.array([x, 2.0, 25.0])),
+        carriers=ON_ROADS,
+        variety=6,
         road=half_road,
-    )
-
-
-def _sun(rng: Generator, clouds: float) -> Sun | None:
-    if rng.random() < 0.15 + 0.45 * clouds:
-        return None
-    azimuth, elevation = rng.uniform(0, 2 * np.pi), rng.uniform(0.25, 1.3)
-    towards = np.array(
-        [
-            np.cos(azimuth) * np.cos(elevation),
-            np.sin(elevation),
-            np.sin(azimuth) * np.cos(elevation),
-        ]
-    )
-    return Sun(
-        towards, np.array([1, rng.uniform(0.85, 1), rng.uniform(0.7, 0.95)]) * rng.uniform(0.8, 3.5)
     )
 
 
@@ -99,8 +126,30 @@ def _marks(rng: Generator, half_road: float) -> Mesh:
     return joined(marks)
 
 
-def _roadside(rng: Generator, side: int, half_road: float, pavement: float) -> Parts:
+def _lamp_posts(rng: Generator, half_road: float, dark: bool) -> tuple[Parts, list[AreaLight]]:
+    """Return a row of street lamps; in the dark those near the cameras light the street."""
+    if rng.random() < (0.1 if dark else 0.55):
+        return [], []
+    parts: Parts = []
+    lamps = []
+    model, light = lamp_post(rng, dark)
+    tint = np.array([1.0, rng.uniform(0.6, 1.0), rng.uniform(0.25, 1.0)])
+    apart, strength = rng.uniform(18, 40), rng.uniform(6, 25)
+    for k, z in enumerate(np.arange(-_REACH, _REACH, apart)):
+        side = 1 if k % 2 else -1
+        spot, yaw = (side * (half_road + 0.4), 0.0, z), 0.0 if side < 0 else np.pi
+        parts += placed(model, spot, yaw)
+        if dark and abs(z) < 45:
+            at = np.array([spot[0] - side * light[0], light[1], z])
+            lamps.append(AreaLight(at, 0.3, tint * strength * light[1]))
+    return parts, lamps
+
+
+def _roadside(
+    rng: Generator, cast: _Cast, side: int, widths: tuple[float, float], lit: float
+) -> Parts:
     """Return what lines one side of the road: houses, gardens, trees, poles, cars, people."""
+    half_road, pavement = widths
     kerb = half_road + pavement
     setback = kerb + (rng.exponential(1.5) if rng.random() < 0.5 else rng.uniform(3, 15))
     built = rng.choice([0.15, 0.6, 0.95])
@@ -110,55 +159,67 @@ def _roadside(rng: Generator, side: int, half_road: float, pavement: float) -> P
     while z < _REACH:
         width = rng.uniform(6, 22)
         if rng.random() < built:
-            parts += placed(house(rng, width), (side * setback, 0, z + width / 2), yaw)
+            parts += placed(building(rng, width, lit), (side * setback, 0, z + width / 2), yaw)
         elif rng.random() < 0.5:
             for _ in range(int(rng.integers(1, 4))):
                 spot = (side * (setback + rng.exponential(8)), 0, z + rng.uniform(0, width))
-                parts += placed((tree if rng.random() < 0.6 else bush)(rng), spot)
+                parts += placed((cast.tree if rng.random() < 0.6 else cast.shrub)(rng), spot)
         z += width + (0.05 if rng.random() < 0.5 else rng.exponential(6))
-    things: tuple[tuple[Callable[[Generator], Parts], float, float, float], ...] = (
-        (tree, kerb - 0.6 + 0.3 * (setback - kerb), rng.choice([0, 0.02, 0.08]), 0),
+    things: tuple[tuple[Maker, float, float, float], ...] = (
+        (cast.tree, kerb - 0.6 + 0.3 * (setback - kerb), rng.choice([0, 0.02, 0.08]), 0),
         (pole, kerb - 0.3 * pavement, 0.04, yaw - np.pi / 2),
-        (bush, (kerb + setback) / 2, rng.choice([0, 0.06]), yaw),
+        (cast.shrub, (kerb + setback) / 2, rng.choice([0, 0.06]), yaw),
         (fence, setback - 0.4, rng.choice([0, 0.03]), yaw),
-        (person, kerb - 0.5 * pavement, rng.choice([0.01, 0.05]), 0),
-        (bicycle, kerb - 0.4 * pavement, 0.01, 0),
+        (cast.person, kerb - 0.5 * pavement, rng.choice([0.01, 0.05]), 0),
+        (cast.bicycle, kerb - 0.4 * pavement, rng.choice([0.005, 0.03]), 0),
+        (cast.hedge, setback - 0.6, rng.choice([0, 0.015]), yaw),
+        (cast.furniture, kerb - 0.3 * pavement, rng.choice([0.01, 0.04]), yaw),
     )
     for make, x, density, heading in things:
         for _ in range(int(rng.poisson(density * 2 * _REACH))):
             spot = (side * (x + rng.normal(0, 0.4)), 0, rng.uniform(-_REACH, _REACH))
             parts += placed(make(rng), spot, heading + rng.normal(0, 0.15))
-    return parts + _parked(rng, side, half_road)
+    return parts
 
 
-def _parked(rng: Generator, side: int, half_road: float) -> Parts:
+_FURNITURE = (bench, bin_, bin_, letter_box, bollards, bus_stop, hoarding, stall)
+
+
+def _furniture(rng: Generator) -> Parts:
+    return _FURNITURE[int(rng.integers(len(_FURNITURE)))](rng)
+
+
+def _parked(rng: Generator, cast: _Cast, side: int, half_road: float) -> Parts:
     density = rng.choice([0.0, 0.3, 0.8])
     parts: Parts = []
     z = -_REACH
     while half_road > 2.8 and z < _REACH:
         if rng.random() < density:
             yaw = (0 if side > 0 else np.pi) + rng.normal(0, 0.04)
-            parts += placed(vehicle(rng), (side * (half_road - 1.0), 0, z), yaw)
+            parts += placed(cast.vehicle(rng), (side * (half_road - 1.0), 0, z), yaw)
         z += rng.uniform(5, 8)
     return parts
 
 
-def _traffic(rng: Generator, half_road: float) -> Parts:
+def _traffic(rng: Generator, cast: _Cast, half_road: float) -> Parts:
     """Return vehicles and people on the road."""
     parts: Parts = []
     for _ in range(int(rng.poisson(rng.choice([0, 3, 10])))):
         side = int(rng.choice([-1, 1]))
         x = side * half_road * rng.uniform(0.25, 0.55)
         yaw = (0 if side > 0 else np.pi) + rng.normal(0, 0.08)
-        parts += placed(vehicle(rng), (x, 0, rng.uniform(-_REACH, _REACH)), yaw)
+        parts += placed(cast.vehicle(rng), (x, 0, rng.uniform(-_REACH, _REACH)), yaw)
     for _ in range(int(rng.poisson(0.8))):
         spot = (rng.uniform(-half_road, half_road), 0, rng.uniform(-40, 40))
-        parts += placed((person if rng.random() < 0.7 else bicycle)(rng), spot, rng.uniform(0, 6.3))
+        parts += placed(
+            (cast.person if rng.random() < 0.7 else cast.bicycle)(rng), spot, rng.uniform(0, 6.3)
+        )
     return parts
 
 
 def _far(rng: Generator) -> Parts:
     """Return what closes the view: hills, a wood, or a row of buildings."""
+    woods = stocked(far_tree, 3)
     parts: Parts = []
     for end in (-1, 1):
         kind = rng.random()
@@ -170,8 +231,10 @@ def _far(rng: Generator) -> Parts:
         elif kind < 0.7:
             yaw = 0.0 if end > 0 else np.pi
             for x in range(-60, 60, 16):
-                parts += placed(house(rng, 15), (x, 0, end * (_REACH + rng.uniform(2, 10))), yaw)
+                parts += placed(
+                    building(rng, 15, 0.0), (x, 0, end * (_REACH + rng.uniform(2, 10))), yaw
+                )
         for _ in range(int(rng.integers(0, 12))):
             spot = (rng.normal(0, 40), 0, end * (_REACH + rng.uniform(0, 60)))
-            parts += placed(tree(rng), spot)
+            parts += placed(woods(rng), spot)
     return parts

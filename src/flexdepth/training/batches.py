@@ -13,9 +13,10 @@ import numpy as np
 import torch
 from torch.utils.data import DataLoader, Dataset
 
+from flexdepth.data.colour import Colour
 from flexdepth.data.folder import Pair
 from flexdepth.data.recipes import Recipe
-from flexdepth.data.transforms import Colour, Crop, as_sample
+from flexdepth.data.transforms import Crop, as_sample
 from flexdepth.runtime.errors import InputError
 from flexdepth.sample import Sample
 from flexdepth.tensors import mapped, stacked

@@ -4,8 +4,9 @@ Nothing in it is executed when it is read, and it appears whole or not at all.
 """
 
 import json
+import os
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -55,7 +56,12 @@ def save(path: Path, checkpoint: Checkpoint) -> None:
     }
     tensors = {name: tensor.contiguous() for name, tensor in checkpoint.tensors.items()}
     with replacing(path) as temporary:
+        temporary.touch()
+        mode = temporary.stat().st_mode
         save_file(tensors, temporary, metadata=words)
+        temporary.chmod(mode)  # safetensors lets its writer alone read it
+        with temporary.open("rb+") as file:
+            os.fsync(file.fileno())  # days of work: not to be lost with the machine's power
 
 
 def load(path: Path) -> Checkpoint:
@@ -64,12 +70,30 @@ def load(path: Path) -> Checkpoint:
     Raises:
         InputError: The file is missing, is no checkpoint of flexdepth, or is of another format.
     """
+    words, tensors = _read(path, with_tensors=True)
+    settings, said = json.loads(words["settings"]), words.get("source", "")
+    return Checkpoint(int(words["iteration"]), settings, tensors, said)
+
+
+def progress(path: Path) -> tuple[int, Mapping[str, Any]]:
+    """Return the iteration and the settings of a checkpoint; its tensors are not read.
+
+    Raises:
+        InputError: As in `load`.
+    """
+    words, _ = _read(path, with_tensors=False)
+    settings: Mapping[str, Any] = json.loads(words["settings"])
+    return int(words["iteration"]), settings
+
+
+def _read(path: Path, *, with_tensors: bool) -> tuple[Mapping[str, str], dict[str, Tensor]]:
     if not path.is_file():
         raise InputError(f"{path}: no such checkpoint")
     try:
         with safe_open(path, framework="pt") as file:
-            words = file.metadata() or {}
-            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+            words: Mapping[str, str] = file.metadata() or {}
+            names = file.keys() if with_tensors else ()
+            tensors = {name: file.get_tensor(name) for name in names}
     except (SafetensorError, OSError) as error:
         raise InputError(f"{path}: not a readable safetensors file ({error})") from error
     if words.get("format") != FORMAT or "settings" not in words:
@@ -77,8 +101,7 @@ def load(path: Path) -> Checkpoint:
             f"{path}: wanted a flexdepth checkpoint of format {FORMAT}, "
             f"got format {words.get('format', 'of something else')}"
         )
-    settings, said = json.loads(words["settings"]), words.get("source", "")
-    return Checkpoint(int(words["iteration"]), settings, tensors, said)
+    return words, tensors
 
 
 def source() -> str:
@@ -112,10 +135,14 @@ def restore(module: nn.Module, weights: Mapping[str, Tensor], where: str) -> Non
     odd = sorted(name for name in common if own[name].shape != weights[name].shape)
     if missing or unknown or odd:
         raise InputError(
-            f"{where}: holds the weights of another network; missing {missing[:3]}, "
-            f"unknown {unknown[:3]}, of another shape {odd[:3]}"
+            f"{where}: holds the weights of another network; missing {_some(missing)}, "
+            f"unknown {_some(unknown)}, of another shape {_some(odd)}"
         )
     module.load_state_dict(dict(weights))
+
+
+def _some(names: Sequence[str]) -> str:
+    return f"{list(names[:3])}" + (f" and {len(names) - 3} more" if len(names) > 3 else "")
 
 
 def optimiser_tensors(optimiser: Optimizer) -> dict[str, Tensor]:

@@ -32,7 +32,7 @@ from flexdepth.training.objective import Term, check_finite, objective
 from flexdepth.training.optimiser import AdamWCosine, Optimiser, set_rate
 from flexdepth.training.processes import ALONE, Place
 from flexdepth.training.record import Listener
-from flexdepth.training.validation import validate
+from flexdepth.training.validation import SCORES, validate
 
 
 @dataclass(frozen=True)
@@ -138,8 +138,8 @@ def train(
         settings: How long and how.
         terms: What is minimised.
         sources: Where pairs come from.
-        record: Is told the terms of every iteration and the score of every validation.
-        save: Is given the run and its score every `save_every` iterations and at the end.
+        record: Is told the terms of every iteration and the scores of every validation.
+        save: Is given the run and its error every `save_every` iterations and at the end.
 
     Raises:
         InputError: The batch does not divide, a pair cannot be read, or the objective is not
@@ -162,9 +162,9 @@ def train(
         run.iteration += 1
         record.iteration(run.iteration, rate, parts)
         if run.iteration % settings.save_every == 0 or run.iteration == settings.iterations:
-            score = validate(run.average, sources.held_out, settings.alignment, place)
-            record.score(run.iteration, score)
-            save(run, score)
+            scores = validate(run.average, sources.held_out, settings.alignment, place)
+            record.scores(run.iteration, scores)
+            save(run, scores[SCORES[0]])
 
 
 def learn(

@@ -40,8 +40,9 @@ def memory_told(settings: LoopSettings) -> Iterator[None]:
 def _advice(settings: LoopSettings) -> str:
     batches, parts = settings.batches, settings.accumulate
     width, height = max(batches.shapes, key=prod)
+    divided = f"{parts} part{'s' if parts > 1 else ''}"
     return (
         f"out of memory with batches of {batches.size} images of up to {width}x{height} in "
-        f"{parts} parts; lower --loop.batches.size or --loop.batches.shapes, or raise "
+        f"{divided}; lower --loop.batches.size or --loop.batches.shapes, or raise "
         f"--loop.accumulate, which divides the same batch into more parts"
     )

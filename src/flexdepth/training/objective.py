@@ -28,6 +28,10 @@ def objective(
     return total, {name: part.detach() for name, part in parts.items()}
 
 
+class DivergedError(InputError):
+    """The objective has ceased to be finite."""
+
+
 def check_finite(parts: Mapping[str, Tensor], iteration: int) -> None:
     """Refuse an objective that says nothing.
 
@@ -36,11 +40,11 @@ def check_finite(parts: Mapping[str, Tensor], iteration: int) -> None:
         iteration: How many iterations went well.
 
     Raises:
-        InputError: One of them is not finite; all are named with their values.
+        DivergedError: One of them is not finite; all are named with their values.
     """
     if not torch.stack(list(parts.values())).isfinite().all():
         shown = ", ".join(f"{name} {float(part):g}" for name, part in parts.items())
-        raise InputError(
+        raise DivergedError(
             f"the objective is not finite after {iteration} iterations: {shown}; lower the "
             f"optimiser's rate, or look for images whose depth is wrong"
         )

@@ -17,7 +17,13 @@ from flexdepth.training.curves import Curves
 LOGGED_EVERY = 50
 """Iterations; the terms are their mean over so many."""
 
-_SCORE = "held_out_abs_rel"
+SILENCE = 60.0
+"""Seconds after which a line is due before that, where iterations are slow."""
+
+HELD_OUT = "held_out_"
+"""What the scores of a validation are called by in the log, before the names of their metrics."""
+
+_SCORE = f"{HELD_OUT}abs_rel"
 
 
 @runtime_checkable
@@ -28,8 +34,8 @@ class Listener(Protocol):
         """Hear the learning rate and the terms of one iteration."""
         ...
 
-    def score(self, number: int, score: float) -> None:
-        """Hear the score of a validation."""
+    def scores(self, number: int, scores: Mapping[str, float]) -> None:
+        """Hear the scores of a validation, by the names of their metrics."""
         ...
 
 
@@ -39,7 +45,7 @@ class Silence:
     def iteration(self, number: int, rate: float, parts: Mapping[str, Tensor]) -> None:
         """Do nothing."""
 
-    def score(self, number: int, score: float) -> None:
+    def scores(self, number: int, scores: Mapping[str, float]) -> None:
         """Do nothing."""
 
 
@@ -52,7 +58,7 @@ class Record:
         iterations: How many the whole run has, for the time left.
         show: Takes the lines meant for people.
         curves: Draws what is logged.
-        every: Iterations between two lines.
+        every: Iterations between two lines, fewer where they take longer than `SILENCE`.
     """
 
     path: Path
@@ -68,11 +74,13 @@ class Record:
     def iteration(self, number: int, rate: float, parts: Mapping[str, Tensor]) -> None:
         """Note one iteration; its numbers are not looked at before a line is due."""
         self._recent.append(parts)
-        if number % self.every and number != self.iterations:
+        now = monotonic()
+        due = number % self.every == 0 or number == self.iterations
+        if not due and now - self._told < SILENCE:
             return
         count = len(self._recent)
         means = {name: sum(float(r[name]) for r in self._recent) / count for name in parts}
-        seconds = self._seconds() / count
+        seconds, self._told = (now - self._told) / count, now
         self._spent, self._done = self._spent + seconds * count, self._done + count
         self._write({"iteration": number, "seconds": round(seconds, 3), "rate": rate, **means})
         self.curves.draw(number, {"rate": rate, **{f"term/{k}": v for k, v in means.items()}})
@@ -81,20 +89,16 @@ class Record:
         self.show(f"{number}/{self.iterations}  {terms}  {seconds:.2f} s/it, {span(left)} left")
         self._recent = []
 
-    def score(self, number: int, score: float) -> None:
-        """Note the score of a validation."""
-        self._write({"iteration": number, _SCORE: score})
-        self.curves.draw(number, {_SCORE: score})
-        self.show(f"{number}/{self.iterations}  held-out AbsRel {score:.4f}")
+    def scores(self, number: int, scores: Mapping[str, float]) -> None:
+        """Note the scores of a validation, AbsRel among them."""
+        named = {f"{HELD_OUT}{name}": value for name, value in scores.items()}
+        self._write({"iteration": number, **named})
+        self.curves.draw(number, named)
+        self.show(f"{number}/{self.iterations}  held-out AbsRel {named[_SCORE]:.4f}")
 
     def pictures(self, number: int, named: Mapping[str, Pixels]) -> None:
         """Note what the network makes of some images."""
         self.curves.paint(number, named)
-
-    def _seconds(self) -> float:
-        """Return how long ago this was last asked."""
-        before, self._told = self._told, monotonic()
-        return self._told - before
 
     def _write(self, entry: Mapping[str, int | float]) -> None:
         try:
@@ -125,6 +129,15 @@ def taken_up(path: Path, iteration: int) -> list[float]:
         lines = (json.dumps(entry) + "\n" for entry in kept)
         temporary.write_text("".join(lines), encoding="utf-8")
     return [float(entry[_SCORE]) for entry in kept if _SCORE in entry]
+
+
+def validations(path: Path) -> list[Mapping[str, float]]:
+    """Return the scores of every validation in a log, in order, by the names of their metrics."""
+    return [
+        {k.removeprefix(HELD_OUT): float(v) for k, v in entry.items() if k.startswith(HELD_OUT)}
+        for entry in _entries(path)
+        if _SCORE in entry
+    ]
 
 
 def _entries(path: Path) -> list[dict[str, Any]]:

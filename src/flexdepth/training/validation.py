@@ -11,7 +11,7 @@ from torch.nn.functional import pad
 from flexdepth.data.folder import Pair
 from flexdepth.data.transforms import as_sample, resized
 from flexdepth.evaluation.alignment import Alignment, aligned
-from flexdepth.evaluation.metrics import abs_rel
+from flexdepth.evaluation.metrics import METRICS, scored
 from flexdepth.runtime.colour import Pixels, limits
 from flexdepth.runtime.depthmap import DepthMap, Space
 from flexdepth.runtime.errors import InputError
@@ -30,13 +30,18 @@ LARGEST = 1024 * 512
 MULTIPLE = 32
 """Images are continued by their last pixels to sides that this divides, as some networks need."""
 
+SCORES = ("abs_rel", "sq_rel", "log10", "rmse", "rmse_log", "delta1", "delta2", "delta3")
+"""The metrics of chapter 3 (`evaluation.metrics`); a run is judged by the first."""
+
 SHOWN = 3
 """Held-out images of which pictures are made."""
 
 
 @torch.no_grad()
-def validate(network: nn.Module, pairs: Pairs, alignment: Alignment, place: Place = ALONE) -> float:
-    """Return the mean of AbsRel over the images in which any depth is known.
+def validate(
+    network: nn.Module, pairs: Pairs, alignment: Alignment, place: Place = ALONE
+) -> Mapping[str, float]:
+    """Return the mean of each of `SCORES` over the images in which any depth is known.
 
     Images may be of any sizes, and are predicted whole. The network is left in evaluation mode.
 
@@ -51,15 +56,16 @@ def validate(network: nn.Module, pairs: Pairs, alignment: Alignment, place: Plac
     """
     network.eval()
     own = range(place.rank, len(pairs), place.count)
-    scores = [_score(network, _within(pairs[number]), alignment, place) for number in own]
+    scores = [_scores(network, _within(pairs[number]), alignment, place) for number in own]
     known = [score for score in scores if score is not None]
-    total, count = place.summed([fsum(known), float(len(known))])
+    sums = [fsum(score[name] for score in known) for name in SCORES]
+    *totals, count = place.summed([*sums, float(len(known))])
     if not count:
         raise InputError(
             f"none of the {len(pairs)} held-out images has known depth nearer than {CAP:g} m: "
             f"there is nothing to judge the network by; name other held-out data"
         )
-    return total / count
+    return {name: total / count for name, total in zip(SCORES, totals, strict=True)}
 
 
 @torch.no_grad()
@@ -88,14 +94,17 @@ def _within(pair: Pair) -> Pair:
     return pair if ratio >= 1 else resized(pair, int(ratio * columns), int(ratio * rows))
 
 
-def _score(network: nn.Module, pair: Pair, alignment: Alignment, place: Place) -> float | None:
-    """Return the error of one image; None where nothing is known of its depth."""
-    true, valid = pair.truth.values, pair.truth.valid & (pair.truth.values > 0)
-    scored = valid & (true < CAP)
-    if not scored.any():
+def _scores(
+    network: nn.Module, pair: Pair, alignment: Alignment, place: Place
+) -> Mapping[str, float] | None:
+    """Return the scores of one image; None where nothing is known of its depth."""
+    true = pair.truth.values
+    judged = pair.truth.valid & (true > 0) & (true < CAP)
+    if not judged.any():
         return None
-    fitted = aligned(_predicted(network, pair, place), alignment, true, scored, CAP)
-    return abs_rel(fitted, true, scored)
+    fitted = aligned(_predicted(network, pair, place), alignment, true, judged, CAP)
+    seen = scored(fitted, true, judged)
+    return {name: METRICS[name].of(METRICS[name].means(seen), seen.truth.size) for name in SCORES}
 
 
 def _predicted(network: nn.Module, pair: Pair, place: Place) -> DepthMap:

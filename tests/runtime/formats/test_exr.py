@@ -37,12 +37,14 @@ def test_z_beside_colours_is_read_as_stated(tmp_path):
         read_stated(tmp_path / "a.exr", Space.METRIC, 1.0)
 
 
-def test_a_file_that_was_cut_off_is_said_to_be(tmp_path):
+def test_a_file_that_was_cut_off_is_said_to_be(tmp_path, capsys):
+    """By the error alone: what OpenEXR prints of it would stand amid JSON."""
     write_depth(tmp_path / "a.exr", DepthMap(ROOM, Space.METRIC), None)
     content = (tmp_path / "a.exr").read_bytes()
     (tmp_path / "a.exr").write_bytes(content[:-5])
     with pytest.raises(InputError, match=r"a\.exr: .* cut off or broken"):
         read_depth(tmp_path / "a.exr")
+    assert capsys.readouterr().out == ""
 
 
 def test_a_huge_declared_window_is_not_allocated(tmp_path):

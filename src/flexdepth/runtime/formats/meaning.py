@@ -7,15 +7,19 @@ A record reads, for instance::
      "scale": 0.001, "offset": 0.0, "invalid": 0, "sky": 65535,
      "intrinsics": {"convention": "opencv", "focal_x": 525.0, "focal_y": 525.0,
                     "centre_x": 319.5, "centre_y": 239.5, "source": "assumed",
-                    "assumed_field_of_view": 62.7},
-     "model": "compact 0.1.0", "origin": {"input": "room.jpg"}}
+                    "field_of_view": 62.7},
+     "spread": {"median": 0.08, "of_scale": 0.2}, "model": "compact 0.1.0",
+     "origin": {"input": "room.jpg"}}
 
 `value = scale * stored + offset`, except for the two reserved numbers: `invalid` (unknown) and
 `sky`. Intrinsics are in pixels of this map. They use OpenCV's convention, in which the centre of
 the first pixel is 0, whereas `DepthMap` puts the image's corner at 0; the half pixel between
-them is added and taken off here and nowhere else. `assumed_field_of_view` is in degrees from the
-left edge to the right edge, and is there only where the focal length was assumed. `origin` tells
-how the file was made, so that a file made from the same input can be recognised.
+them is added and taken off here and nowhere else. `field_of_view` is in degrees from the left
+edge to the right edge, and is there only where the focal length was predicted or assumed. `spread`
+is null where nothing is known of it: `median` is that of the relative standard deviations of the
+pixels, which npz and EXR hold one by one, and the other formats have no room for; `of_scale` is
+that of the one factor of the whole map, null where it is not known. `origin` tells how the file was
+made, so that a file made from the same input can be recognised.
 """
 
 import json
@@ -77,6 +81,30 @@ def plain(space: Space) -> Coding:
 
 
 @dataclass(frozen=True)
+class SpreadMeaning:
+    """What a depth file says of how far off its numbers may be.
+
+    Attributes:
+        median: Of the relative standard deviations of the pixels.
+        of_scale: That of the one factor of the whole map; None where it is not known.
+    """
+
+    median: float
+    of_scale: float | None
+
+    @classmethod
+    def of(cls, depth_map: DepthMap) -> "SpreadMeaning | None":
+        """Return what is said of a map; None where it has no spread."""
+        if depth_map.spread is None or not np.isfinite(depth_map.spread).any():
+            return None
+        return cls(float(np.nanmedian(depth_map.spread)), depth_map.scale_spread)
+
+    def record(self) -> dict[str, object]:
+        """Return the record as JSON has it."""
+        return {"median": self.median, "of_scale": self.of_scale}
+
+
+@dataclass(frozen=True)
 class Meaning:
     """What a depth file says of its numbers."""
 
@@ -87,6 +115,7 @@ class Meaning:
     intrinsics: Intrinsics | None = None
     model: str = ""
     origin: Mapping[str, str] = field(default_factory=dict)
+    spread: SpreadMeaning | None = None
 
     @classmethod
     def of(cls, depth_map: DepthMap, coding: Coding, origin: Mapping[str, str] | None) -> "Meaning":
@@ -100,6 +129,7 @@ class Meaning:
             depth_map.intrinsics,
             depth_map.model,
             dict(origin or {}),
+            SpreadMeaning.of(depth_map),
         )
 
     def record(self) -> dict[str, object]:
@@ -116,6 +146,7 @@ class Meaning:
             "invalid": self.coding.invalid,
             "sky": self.coding.sky,
             "intrinsics": _camera_record(self.intrinsics, self.width),
+            "spread": None if self.spread is None else self.spread.record(),
             "model": self.model,
             "origin": dict(self.origin),
         }
@@ -124,7 +155,9 @@ class Meaning:
         """Return the record as ASCII JSON in one line."""
         return json.dumps(self.record(), allow_nan=False)
 
-    def depth_map(self, numbers: Numbers, path: Path) -> DepthMap:
+    def depth_map(
+        self, numbers: Numbers, path: Path, spread: NDArray[np.float32] | None = None
+    ) -> DepthMap:
         """Return the depth map that `numbers`, as stored in `path`, stand for."""
         height, width = numbers.shape
         if (width, height) != (self.width, self.height):
@@ -132,7 +165,15 @@ class Meaning:
                 f"{path}: holds {width} x {height} numbers, but its meaning speaks of "
                 f"{self.width} x {self.height}; write the file and its meaning anew, together"
             )
-        return DepthMap(self._values(numbers), self.space, self.intrinsics, self.model)
+        if spread is not None and spread.shape != numbers.shape:
+            raise InputError(
+                f"{path}: holds a spread of the shape {spread.shape} of depth of the shape "
+                f"{numbers.shape}; write the file anew"
+            )
+        of_scale = None if self.spread is None else self.spread.of_scale
+        return DepthMap(
+            self._values(numbers), self.space, self.intrinsics, self.model, spread, of_scale
+        )
 
     def _values(self, numbers: Numbers) -> NDArray[np.float32]:
         if numbers.dtype == np.float32:
@@ -177,6 +218,7 @@ def from_record(record: object, path: Path) -> Meaning:
                 float(record["scale"]), float(record["offset"]), record["invalid"], record["sky"]
             ),
             intrinsics=_camera(record["intrinsics"]),
+            spread=_spread(record.get("spread")),
             model=str(record["model"]),
             origin={str(key): str(value) for key, value in dict(record["origin"]).items()},
         )
@@ -197,8 +239,8 @@ def _camera_record(camera: Intrinsics | None, width: int) -> dict[str, object] |
         "centre_y": camera.centre_y - _HALF_PIXEL,
         "source": str(camera.source),
     }
-    if camera.source is FocalSource.ASSUMED:
-        record["assumed_field_of_view"] = 2 * degrees(atan(width / 2 / camera.focal_x))
+    if not camera.source.is_known:
+        record["field_of_view"] = 2 * degrees(atan(width / 2 / camera.focal_x))
     return record
 
 
@@ -214,6 +256,15 @@ def _camera(record: object) -> Intrinsics | None:
         float(record["centre_y"]) + _HALF_PIXEL,
         FocalSource(record["source"]),
     )
+
+
+def _spread(record: object) -> SpreadMeaning | None:
+    if record is None:
+        return None
+    if not isinstance(record, dict):
+        raise TypeError(f"`spread` is an object or null, got {record!r}")
+    of_scale = record["of_scale"]
+    return SpreadMeaning(float(record["median"]), None if of_scale is None else float(of_scale))
 
 
 def _single(values: NDArray[np.float64]) -> NDArray[np.float32]:

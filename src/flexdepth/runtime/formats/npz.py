@@ -1,7 +1,8 @@
-"""npz: the array `depth` (or `disparity`) and the JSON text `meaning`, for `numpy.load`.
+"""npz: the arrays `depth` (or `disparity`) and `spread`, and the JSON text `meaning`.
 
-Stored without compression: on a 12-megapixel map deflate at its fastest saves a seventh of the
-file and takes twenty times as long, for the last bits of float32 are noise.
+They are there for `numpy.load`; `spread` is missing where nothing is known of it. They are stored
+without compression: on a 12-megapixel map deflate at its fastest saves a seventh of the file and
+takes twenty times as long, for the last bits of float32 are noise.
 """
 
 import struct
@@ -35,12 +36,15 @@ _ERRORS = (
 )
 _ARRAYS = ("depth.npy", "disparity.npy")
 _MEANING = "meaning.npy"
+_SPREAD = "spread.npy"
 
 
 def write(path: Path, depth_map: DepthMap, origin: Mapping[str, str] | None) -> None:
     """Write `depth_map` and its meaning to `path`."""
     text = Meaning.of(depth_map, plain(depth_map.space), origin).text()
     arrays = {quantity(depth_map.space): depth_map.values, "meaning": np.array(text)}
+    if depth_map.spread is not None:
+        arrays["spread"] = depth_map.spread
     with replacing(path) as temporary, ZipFile(temporary, "w") as archive:
         for name, content in arrays.items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
@@ -54,9 +58,13 @@ def numbers(path: Path) -> NDArray[np.float32]:
         named = [name for name in names if name in _ARRAYS] or names
         if len(named) != 1:
             raise ValueError(f"one array `depth` or `disparity` is wanted, it has {names[:9]}")
-        entry = archive.getinfo(named[0])
-        with archive.open(entry) as member:
-            return array(member, entry.file_size)
+        return _array(archive, named[0])
+
+
+def spread(path: Path) -> NDArray[np.float32] | None:
+    """Return the array `spread` of `path`, None where there is none."""
+    with reading(path, "a npz file", _ERRORS), ZipFile(path) as archive:
+        return _array(archive, _SPREAD) if _SPREAD in archive.namelist() else None
 
 
 def meaning(path: Path) -> Meaning | None:
@@ -67,6 +75,12 @@ def meaning(path: Path) -> Meaning | None:
         with archive.open(_MEANING) as member:
             text = _text(member)
     return parsed(text, path)
+
+
+def _array(archive: ZipFile, name: str) -> NDArray[np.float32]:
+    entry = archive.getinfo(name)
+    with archive.open(entry) as member:
+        return array(member, entry.file_size)
 
 
 def _text(stream: IO[bytes]) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.errors import InputError, reason
 
 MAX_VALUES = 1 << 28
 """No depth map is larger (268 megapixels, 1 GiB): what declares to be is not allocated."""
@@ -29,8 +29,7 @@ def reading(path: Path, what: str, errors: tuple[type[Exception], ...]) -> Itera
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror or error}") from error
     except broken as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"{path}: cannot be read as {what}: {reason}") from error
+        raise InputError(f"{path}: cannot be read as {what}: {reason(error)}") from error
 
 
 def check_size(width: int, height: int) -> None:

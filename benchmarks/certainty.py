@@ -1,0 +1,184 @@
+"""Whether the model knows how far off it is, and which lens took the picture.
+
+    python benchmarks/certainty.py [--model BUNDLE] [--held-out DIR] [--samples DIR] [--picture PNG]
+
+On rendered scenes that were not trained on (`flexdepth synth --seed 1 --count 160`): the error of a
+pixel is |log(depth / truth)| less the image's median of the logarithm, for the one factor of the
+whole map is not the pixel's. 68 % of the errors should be within one spread and 95 % within two;
+the picture shows both shares for pixels of small and of large spread. The factor itself is off by
+`scale`, the value that 68 % of the images stay within; the bundle says it as `scale_spread`.
+
+On real pictures with measured depth (docs/samples.md): AbsRel as `quality.py` has it, of all
+scored pixels and without the fifth of each image's that the model is least sure of, both after
+the same fit. And the field of view that the model sees where nobody tells it: the median over the
+images of the degrees by which it is off. Prints JSON.
+"""
+
+import argparse
+import json
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from numpy.typing import NDArray
+from samples import SETS, SampleSet, scored_pixels
+
+import flexdepth
+from flexdepth.data.folder import Folder
+from flexdepth.data.stored import StoredPair
+from flexdepth.evaluation.alignment import Alignment, aligned
+from flexdepth.evaluation.metrics import abs_rel
+from flexdepth.runtime.depthmap import DepthMap, Intrinsics
+from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.images import Photo
+
+BESIDE_THE_REPOSITORY = Path(__file__).parents[2] / "shared" / "data"
+FARTHEST = 80.0
+"""Metres: rendered truth beyond it is not scored."""
+DROPPED = 0.2
+GROUPS = 10
+
+Reals = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Foretold:
+    """Errors of pixels in spreads of their own, those spreads, and each image's factor."""
+
+    ratios: Reals
+    spreads: Reals
+    factors: Reals
+
+
+def foretold(model: str, folder: Path, every: int = 7) -> Foretold:
+    """Return the errors of every so manyth pixel of the held-out scenes."""
+    pairs = Folder(folder).load()
+    ratios, spreads, factors = [], [], []
+    for number in range(len(pairs)):
+        pair = pairs[number]
+        camera = pair.truth.intrinsics
+        if camera is None:
+            raise InputError(f"{pair.name}: has no camera")
+        lens = flexdepth.FocalLength(camera.focal_x)
+        found = flexdepth.load(model, lens).predict(pair.image)
+        if found.spread is None:
+            raise InputError(f"{model}: does not say how far off its depth may be")
+        known = pair.truth.valid & found.valid & (pair.truth.values < FARTHEST)
+        known &= np.isfinite(found.spread)
+        if not known.any():
+            continue
+        error = np.log(found.values[known] / pair.truth.values[known]).astype(np.float64)
+        factors.append(np.median(error))
+        spreads.append(found.spread[known][::every].astype(np.float64))
+        ratios.append(np.abs(error - factors[-1])[::every] / spreads[-1])
+    return Foretold(np.concatenate(ratios), np.concatenate(spreads), np.array(factors))
+
+
+def reliability(found: Foretold) -> dict[str, float]:
+    """Return the shares within one and two spreads, and how far off the whole map is."""
+    return {
+        "within one spread": round(float((found.ratios <= 1).mean()), 4),
+        "within two spreads": round(float((found.ratios <= 2).mean()), 4),
+        "median spread": round(float(np.median(found.spreads)), 4),
+        "scale": round(float(np.quantile(np.abs(found.factors), 0.6827)), 3),
+    }
+
+
+def draw(found: Foretold, path: Path) -> None:
+    """Draw the shares within one and two spreads, for groups of pixels of like spread."""
+    mpl.use("Agg")
+    from matplotlib import pyplot as plt  # noqa: PLC0415 - after the backend is chosen
+
+    ends = np.quantile(found.spreads, np.linspace(0, 1, GROUPS + 1))
+    group = np.clip(np.searchsorted(ends, found.spreads, "right") - 1, 0, GROUPS - 1)
+    middle = [np.median(found.spreads[group == k]) for k in range(GROUPS)]
+    figure, axes = plt.subplots(figsize=(5, 3.6))
+    for count, level in ((1, 0.683), (2, 0.954)):
+        share = [(found.ratios[group == k] <= count).mean() for k in range(GROUPS)]
+        name = "one spread" if count == 1 else "two spreads"
+        (line,) = axes.plot(middle, share, "o-", label=f"within {name}")
+        axes.axhline(level, color=line.get_color(), linestyle=":", linewidth=1)
+    axes.set(
+        xscale="log", ylim=(0, 1), xlabel="predicted spread of depth", ylabel="share of pixels"
+    )
+    axes.legend(loc="lower right")
+    figure.tight_layout()
+    figure.savefig(path, dpi=110)
+
+
+def without_the_unsure(
+    found: DepthMap, truth: Reals, scored: NDArray[np.bool_], cap: float
+) -> tuple[float, float]:
+    """Return AbsRel of all pixels, and of those that the model is surer of; sky counts as sure."""
+    depth = aligned(found, Alignment.LEAST_SQUARES_DISPARITY, truth, scored, cap)
+    if found.spread is None:
+        raise InputError("the model does not say how far off its depth may be")
+    spread = np.nan_to_num(found.spread, nan=0.0)
+    sure = scored & (spread <= np.quantile(spread[scored], 1 - DROPPED))
+    return abs_rel(depth, truth, scored), abs_rel(depth, truth, sure)
+
+
+def field_of_view(camera: Intrinsics, width: int) -> float:
+    """Return the degrees from the left edge to the right edge."""
+    return float(2 * np.degrees(np.arctan(width / 2 / camera.focal_x)))
+
+
+def on_real(model: str, sample_set: SampleSet, files: Sequence[StoredPair]) -> dict[str, float]:
+    """Return what dropping the unsure gains on a set, and how far off the field of view is."""
+    predictor = flexdepth.load(model)
+    pairs, angles = [], []
+    for file in files:
+        pair = file.read()
+        found = predictor.predict(Photo(pair.image, None, ()))
+        truth = np.nan_to_num(pair.truth.values.astype(np.float64), nan=0.0, posinf=0.0)
+        scored = scored_pixels(truth, sample_set.cap)
+        if scored.any():
+            pairs.append(without_the_unsure(found, truth, scored, sample_set.cap))
+        if found.intrinsics is not None and pair.truth.intrinsics is not None:
+            both = found.intrinsics, pair.truth.intrinsics
+            seen, true = (field_of_view(camera, truth.shape[1]) for camera in both)
+            angles.append(abs(seen - true))
+    everything, sure = np.array(pairs).mean(0)
+    report = {
+        "abs_rel": round(float(everything), 4),
+        "without the least sure fifth": round(float(sure), 4),
+        "lower by": round(float(1 - sure / everything), 3),
+    }
+    if angles:
+        report["field of view off by, degrees"] = round(float(np.median(angles)), 1)
+    return report
+
+
+def held(samples: Path) -> Iterator[tuple[SampleSet, Sequence[StoredPair]]]:
+    """Give the sets that the folder holds."""
+    for sample_set in SETS:
+        with suppress(InputError):
+            yield sample_set, sample_set.load(samples)
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    beside = os.environ.get("FLEXDEPTH_SAMPLES") or BESIDE_THE_REPOSITORY
+    parser.add_argument("--model", default="compact", metavar="BUNDLE")
+    parser.add_argument("--held-out", type=Path, default=Path("renders/heldout"))
+    parser.add_argument("--samples", type=Path, default=Path(beside))
+    parser.add_argument("--picture", type=Path, metavar="PNG", help="the reliability, drawn")
+    asked = parser.parse_args()
+    report: dict[str, dict[str, float]] = {}
+    if asked.held_out.is_dir():
+        found = foretold(asked.model, asked.held_out)
+        report["held-out scenes"] = reliability(found)
+        if asked.picture:
+            draw(found, asked.picture)
+    for each, files in held(asked.samples):
+        report[each.name] = on_real(asked.model, each, files)
+    print(json.dumps(report, indent=2))
+
+
+if __name__ == "__main__":
+    main()

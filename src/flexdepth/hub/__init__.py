@@ -1,0 +1,1 @@
+"""Other people's models: those that transformers calls models for depth estimation."""

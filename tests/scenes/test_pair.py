@@ -1,0 +1,167 @@
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from flexdepth.flow.field import FlowField, given
+from flexdepth.runtime.depthmap import DepthMap, FocalSource, Intrinsics, Space
+from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.lens import FocalLength
+from flexdepth.scenes import pair as scene
+from flexdepth.scenes.correspondence import FlowFile
+from flexdepth.scenes.objective import Objective
+from flexdepth.scenes.origin import origin
+from flexdepth.scenes.pair import PairSettings, solve
+from flexdepth.scenes.views import ViewFiles
+from flexdepth.scenes.words import cautions
+
+
+@dataclass(frozen=True)
+class Sideways:
+    """Says that everything has gone to the left by 5 pixels."""
+
+    def between(self, key, _target) -> FlowField:
+        height, width = key.shape[:2]
+        flow = np.zeros((height, width, 2), np.float32)
+        flow[..., 0] = -5
+        return given(flow, (width, height), 0.1)
+
+
+@pytest.fixture
+def files(pair):
+    return ViewFiles(pair / "key.png", pair / "target.png")
+
+
+@pytest.fixture
+def settings(pair, files):
+    return PairSettings(
+        files,
+        pair / "camera.json",
+        FlowFile(pair / "flow.flo"),
+        prior=None,
+        objective=Objective.REGIONS,
+    )
+
+
+@pytest.fixture
+def asked(monkeypatch, found):
+    """Return the list of what the solver was asked, which answers without solving."""
+    said = []
+
+    def answer(_objective, seen, *_pictures):
+        said.append(seen)
+        return found
+
+    monkeypatch.setattr(scene, "solved", answer)
+    return said
+
+
+def test_the_wall_and_what_moves_before_it_are_found(settings, hills):
+    depth, _, moving = hills
+    solution = solve(settings)
+    known = solution.found.valid & ~moving
+    assert known[~moving].mean() > 0.9
+    error = np.abs(solution.depth.depth * 0.05 / depth - 1)[known]
+    assert np.median(error) < 0.02
+    assert solution.found.moving[moving].mean() > 0.8
+    assert solution.found.moving[~moving].mean() < 0.05
+    assert solution.depth.space is Space.SCALE
+
+
+def test_the_solver_is_shown_all_that_was_given(settings, files, asked):
+    more = replace(
+        settings,
+        files=replace(files, third=files.target, right=files.target),
+        flow=Sideways(),
+        baseline=0.3,
+    )
+    steps = []
+    solve(more, steps.append)
+    (seen,) = asked
+    assert (seen.third.flow[..., 0] == -5).all()
+    assert (seen.stereo.flow[..., 0] == -5).all()
+    assert seen.stereo.baseline == 0.3
+    assert seen.prior is None
+    assert len(steps) == 5
+
+
+def test_depth_of_the_key_frame_alone_is_the_prior(settings, asked, monkeypatch):
+    asked_of = []
+
+    def alone(model, picture, camera):
+        asked_of.append((model, picture.shape, camera.focal_x))
+        depth = np.full(picture.shape[:2], 2, np.float32)
+        return DepthMap(depth, Space.METRIC, camera, "seer 1.0"), ()
+
+    monkeypatch.setattr(scene, "single_image_depth", alone)
+    solution = solve(replace(settings, prior="compact"))
+    (seen,) = asked
+    assert asked_of == [("compact", (120, 160, 3), 140.0)]
+    assert seen.prior.metric
+    assert (seen.prior.spread > 0).all()
+    np.testing.assert_array_equal(seen.prior.depth, solution.prior.depth)
+    assert "seer 1.0" in solution.depth.model
+
+
+@pytest.mark.parametrize("said", [FocalSource.GIVEN, FocalSource.ASSUMED])
+def test_a_focal_length_that_only_the_model_sees_is_taken_if_nobody_says_it(
+    said, settings, asked, monkeypatch
+):
+    model_sees = Intrinsics(99.0, 99.0, 80.0, 60.0, FocalSource.PREDICTED)
+    depth = DepthMap(np.ones((120, 160), np.float32), Space.SCALE, model_sees, "far seer 1.0")
+    monkeypatch.setattr(scene, "single_image_depth", lambda *_: (depth, ("a licence",)))
+    known = settings.camera if said is FocalSource.GIVEN else None
+    solution = solve(replace(settings, prior="far seer", camera=known))
+    assert asked[0].camera.focal_x == (140.0 if known else 99.0)
+    assert "a licence" in solution.warnings
+    if known is None:
+        assert any(
+            "99 px, a view of 78 degrees, is taken as far seer 1.0" in line
+            for line in cautions(solution)
+        )
+
+
+def test_another_picture_than_the_target_is_named_where_it_cannot_be_matched(settings, files):
+    class Lost:
+        def between(self, *_):
+            raise InputError("nothing in common")
+
+    third = replace(settings, files=replace(files, third=files.target), flow=Lost())
+    with pytest.raises(InputError, match=r"^nothing in common"):
+        solve(third)
+    with pytest.raises(InputError, match="from the key frame to the third frame: "):
+        scene._named("the third frame", Lost(), np.zeros(1), np.zeros(1))
+
+
+def test_half_a_stereo_camera_is_refused(files):
+    with pytest.raises(InputError, match="belong together"):
+        PairSettings(files, baseline=0.5)
+    with pytest.raises(InputError, match="belong together"):
+        PairSettings(replace(files, right=files.target))
+
+
+def test_the_dissertations_objective_takes_two_frames(files):
+    with pytest.raises(InputError, match="--objective dissertation takes two frames"):
+        PairSettings(replace(files, third=files.target), objective=Objective.DISSERTATION)
+
+
+def test_the_origin_tells_every_setting_apart(settings, files, pair):
+    every = [
+        settings,
+        replace(settings, camera=FocalLength(140)),
+        replace(settings, camera=None),
+        replace(settings, flow=Sideways()),
+        replace(settings, flow=FlowFile(pair / "flow.flo", 0.3)),
+        replace(settings, prior="compact"),
+        replace(settings, objective=Objective.DENSE),
+        replace(settings, long_side=640),
+        replace(settings, files=replace(files, third=files.target)),
+        replace(settings, files=replace(files, right=files.target), baseline=0.3),
+        replace(settings, files=replace(files, right=files.target), baseline=0.4),
+        replace(settings, files=ViewFiles(files.target, files.key)),
+    ]
+    said = [tuple(sorted(origin(each).items())) for each in every]
+    assert len(set(said)) == len(every)
+    copied = pair / "elsewhere.png"
+    copied.write_bytes(files.key.read_bytes())
+    assert origin(replace(settings, files=replace(files, key=copied))) == origin(settings)
