@@ -13,6 +13,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -96,25 +97,32 @@ def line(taken: Sequence[Taken]) -> tuple[float, float, float]:
     return float(start), float(slope), float(off.max())
 
 
-def report(bars: Sequence[dict[str, object]], file: Path | None) -> int:
+def report(bars: Sequence[dict[str, Any]], file: Path | None) -> int:
     """Measure, print and write; 0."""
-    taken = [measured("regions", SIZES[0]), *(measured("dense", size) for size in SIZES)]
+    taken: list[Taken] = []
     print(f"{'size':>10} {'method':8} {'seconds':>8} {'CPU s':>7} {'peak GB':>8}   bar")
-    for each in taken:
+    for method, size in (("regions", SIZES[0]), *(("dense", size) for size in SIZES)):
+        each = measured(method, size)
+        taken.append(each)
         asked = [
             bar for bar in bars if (tuple(bar["size"]), bar["method"]) == (each.size, each.method)
         ]
-        bar = ", ".join(f"{b['seconds']:g} s" for b in asked)
+        bar = ", ".join(_bar(one) for one in asked)
         peak = "-" if each.peak is None else f"{each.peak / 1e9:.2f}"
-        size = "x".join(map(str, each.size))
-        row = f"{size:>10} {each.method:8} {each.seconds:>8.2f} {each.cpu:>7.2f} {peak:>8}   {bar}"
-        print(row.rstrip())
+        shape = "x".join(map(str, size))
+        row = f"{shape:>10} {method:8} {each.seconds:>8.2f} {each.cpu:>7.2f} {peak:>8}   {bar}"
+        print(row.rstrip(), flush=True)
     start, slope, off = line([each for each in taken if each.method == "dense"])
     print(f"dense: {start:.2f} s + {1e6 * slope:.1f} s a million pixels of CPU, within {off:.0%}")
     if file is not None:
         said = {"taken": [asdict(each) for each in taken], "line": [start, slope, off]}
         file.write_text(json.dumps(said, indent=1) + "\n")
     return 0
+
+
+def _bar(asked: dict[str, float]) -> str:
+    most = f", {asked['bytes'] / 1e9:g} GB" if "bytes" in asked else ""
+    return f"{asked['seconds']:g} s{most}"
 
 
 def main() -> int:

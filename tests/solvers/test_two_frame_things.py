@@ -170,8 +170,11 @@ def test_a_prior_in_metres_gives_metres_where_the_focal_length_is_known():
 def test_where_the_camera_has_stayed_all_depth_is_the_priors():
     seen = view(TURN, np.zeros(3), Box(), (0.2, 0, 0))
     found = two_frame(seen.seen(prior=bumpy(seen, 1.0)), REGIONS)
-    np.testing.assert_allclose(found.depth, bumpy(seen, 1.0).depth, rtol=0.03)
-    assert found.prior_share.min() > 0.99
+    said, still = bumpy(seen, 1.0).depth, ~found.moving
+    np.testing.assert_allclose(found.depth[still], said[still], rtol=1e-6)
+    assert found.prior_share[still].min() > 0.99
+    # The mover's flow says that it is flat, the prior where.
+    np.testing.assert_allclose(found.depth[~still], said[~still], rtol=0.12)
     assert found.regions[1].evidence is Evidence.PRIOR
 
 

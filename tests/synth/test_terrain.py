@@ -47,3 +47,13 @@ def test_spots_lie_on_the_land_between_two_distances():
     away = np.hypot(spots[:, 0], spots[:, 2])
     assert ((away >= 5) & (away <= 200)).all()
     assert spots[:, 1] == pytest.approx(land.height(spots[:, 0], spots[:, 2]))
+
+
+def test_textures_wander_over_the_land_and_never_fold():
+    mesh = drawn(5).mesh(3.0, 60.0)
+    place = mesh.corners[..., [0, 2]]
+    assert np.abs(mesh.uv - place).max() > 0.7
+    edges = [corners[:, 1:] - corners[:, :1] for corners in (place, mesh.uv)]
+    turns = [np.linalg.det(pair) for pair in edges]
+    large = np.abs(turns[0]) > 1e-6
+    assert (turns[1][large] / turns[0][large] > 0).all()

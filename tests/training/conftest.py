@@ -63,6 +63,6 @@ def forked(tmp_path_factory):
     script = Path(__file__).with_name("forked.py")
     quiet = {**os.environ, "OMP_NUM_THREADS": "1", "CUDA_VISIBLE_DEVICES": ""}
     done = subprocess.run(
-        [sys.executable, script, folder], check=True, env=quiet, timeout=300, capture_output=True
+        [sys.executable, script, folder], check=True, env=quiet, timeout=900, capture_output=True
     )
     return folder, json.loads(done.stdout)

@@ -1,4 +1,4 @@
-"""The default network: a light encoder, and a narrow decoder with attention-guided merges."""
+"""The default network: a light encoder, and a narrow decoder with geometric-attention merges."""
 
 from dataclasses import dataclass, field
 

@@ -193,7 +193,7 @@ def turf(rng: Generator) -> Array:
         for shift in _AROUND:
             strokes = np.stack([start + shift, end + shift], 1).round().astype(np.int32)
             cv2.polylines(canvas, list(strokes), False, int(shade), 1, cv2.LINE_AA)
-    return _pair(canvas / 255, 0.6 * fractal(rng, 1.2))
+    return _pair(canvas / 255, 0.5 * fractal(rng, 0.5))
 
 
 def foliage(rng: Generator) -> Array:
@@ -207,7 +207,7 @@ def foliage(rng: Generator) -> Array:
             for right, down in _AROUND:
                 middle = (int(x + right), int(y + down))
                 cv2.ellipse(canvas, middle, axes, float(turn), 0, 360, tone, -1, cv2.LINE_AA)
-    return _pair(canvas / 255, 0.4 * fractal(rng, 0.8))
+    return _pair(canvas / 255, 0.4 * fractal(rng, 0.4))
 
 
 def pebbles(rng: Generator) -> Array:

@@ -97,7 +97,17 @@ class Terrain:
             radius = np.r_[0.0, radius]
         angle = np.linspace(0, 2 * pi, sectors + 1)
         x, z = radius[:, None] * np.cos(angle), radius[:, None] * np.sin(angle)
-        return draped(np.stack([x, self.height(x, z), z], -1))
+        land = draped(np.stack([x, self.height(x, z), z], -1))
+        return Mesh(land.corners, land.uv + self._wander(land.uv))
+
+    def _wander(self, place: Array) -> Array:
+        """Return by how many metres textures are shifted, so that their repeats make no grid."""
+        angle = place @ self.waves.T + self.phase
+        # All waves together shift less than one metre in a metre: nothing folds.
+        reach = 0.2 / np.linalg.norm(self.waves, axis=1) / _OCTAVES**0.5
+        return np.stack(
+            [(np.sin(angle) * reach).sum(-1), (np.cos(1.3 * angle) * reach).sum(-1)], -1
+        )
 
     def spots(self, rng: Generator, count: int, reach: tuple[float, float]) -> Array:
         """Return points on the land between two distances, evenly thick in their logarithm."""
