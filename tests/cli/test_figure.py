@@ -65,7 +65,7 @@ def test_emphasis_is_drawn_in_the_format_of_its_name(here):
 
 
 def test_components_are_counted_for_a_folder(here, capsys):
-    list(write_images(SynthSettings(seed=5, width=32, height=24), 3, here / "renders", 1))
+    list(write_images(SynthSettings(seed=5, width=64, height=48), 3, here / "renders", 1))
     arguments = ["--rows", "3", "--columns", "4", "--components", "2"]
     assert main(["figure", "pca", "renders", *arguments, "-o", "pca.png"]) == 0
     assert "of the depth of 3 images, components: " in capsys.readouterr().out
