@@ -63,6 +63,9 @@ bench-speed: .venv/full.stamp  ## time and memory
 bench-ego: .venv/full.stamp  ## the camera's own motion on real pairs (SAMPLES=DIR)
 	$(BIN)/python benchmarks/ego_motion.py --samples $(SAMPLES)
 
+bench-solve: .venv/full.stamp  ## depth from two frames of a moving world, all methods in one table
+	$(BIN)/python benchmarks/solve/two_frames.py
+
 clean:  ## remove the environments, the builds and the caches; depth/ and runs/ stay
 	rm -rf .venv .wheel-venv build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
 	rm -rf .import_linter_cache
