@@ -65,6 +65,8 @@ bench-ego: .venv/full.stamp  ## the camera's own motion on real pairs (SAMPLES=D
 
 bench-solve: .venv/full.stamp  ## depth from two frames of a moving world, all methods in one table
 	$(BIN)/python benchmarks/solve/two_frames.py
+	$(BIN)/python benchmarks/solve/speed_of_solving.py
+	$(BIN)/python benchmarks/solve/real.py --samples $(SAMPLES)
 
 clean:  ## remove the environments, the builds and the caches; depth/ and runs/ stay
 	rm -rf .venv .wheel-venv build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
