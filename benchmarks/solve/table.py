@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from rows import BASELINE, FULL
-from scoring import GROUPS, SHAPES, Scores
+from scored_pairs import GROUPS, SHAPES, Scores
 
 _ROUNDING = 1e-9
 

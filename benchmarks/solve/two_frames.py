@@ -19,7 +19,7 @@ from statistics import median
 
 from pairs import KEPT, SYNTH, pair, suite
 from rows import ABLATION, ROWS, Row, case, timed
-from scoring import mean, scores
+from scored_pairs import mean, scores
 from table import Line, record, text, verdicts
 
 from flexdepth.runtime.errors import InputError

@@ -21,7 +21,7 @@ HEIGHT, WIDTH, FOCAL = 12, 16, 20.0
 def solve(monkeypatch):
     """The benchmark's modules by name."""
     monkeypatch.syspath_prepend(SOLVE)
-    names = ("pairs", "scoring", "rows", "table", "real", "two_frames", "speed_of_solving")
+    names = ("pairs", "scored_pairs", "rows", "table", "real", "two_frames", "speed_of_solving")
     return {name: import_module(name) for name in names}
 
 
@@ -63,7 +63,7 @@ def test_the_suite_is_that_of_synth_on_the_seeds_that_are_kept_for_it(solve):
 
 def test_the_truth_scores_perfectly_whatever_its_scale(solve, pair):
     truth = with_movers(pair)
-    for group, score in solve["scoring"].scores(0.037 * truth.depth, truth).items():
+    for group, score in solve["scored_pairs"].scores(0.037 * truth.depth, truth).items():
         assert score.abs_rel == pytest.approx(0, abs=1e-12), group
         assert (score.delta1, score.coverage) == (1, 1)
 
@@ -72,7 +72,7 @@ def test_one_wrong_mover_worked_by_hand(solve, pair):
     truth = with_movers(pair)
     depth = truth.depth.copy()
     depth[truth.kind == 1] *= 1.5
-    found = solve["scoring"].scores(depth, truth)
+    found = solve["scored_pairs"].scores(depth, truth)
     assert found["static"].abs_rel == found["flexible"].abs_rel == 0
     assert (found["rigid"].abs_rel, found["rigid"].delta1) == (pytest.approx(0.5), 0)
     assert (found["moving"].abs_rel, found["moving"].delta1) == (pytest.approx(0.25), 0.5)
@@ -86,7 +86,7 @@ def test_the_shape_of_a_mover_is_scored_after_its_own_scale(solve, pair):
     # Of the rigid mover's 12 pixels at 2 m, 3 are said to be at 9 m and 9 at 6 m.
     depth[truth.kind == 1] = 6.0
     depth[2:5, 2] = 9.0
-    found = solve["scoring"].scores(depth, truth)
+    found = solve["scored_pairs"].scores(depth, truth)
     assert found["rigid"].abs_rel == pytest.approx((3 * 3.5 + 9 * 2) / 12)
     assert found["rigid shape"].abs_rel == pytest.approx(3 * 0.5 / 12)
 
@@ -100,7 +100,7 @@ def test_sky_what_is_hidden_and_what_shows_no_parallax_are_not_scored(solve, pai
     truth = replace(truth, depth=depth, occluded=occluded, flow=flow)
     expected = np.ones((HEIGHT, WIDTH), bool)
     expected[[0, 1, 10, 11]] = False
-    assert (solve["scoring"].scored(truth) == expected).all()
+    assert (solve["scored_pairs"].scored(truth) == expected).all()
 
 
 def test_parallax_is_focal_times_travel_over_depth(solve, pair):
@@ -114,7 +114,7 @@ def test_a_pixel_without_depth_stands_at_the_median(solve, pair, nothing):
     truth = with_movers(pair)
     depth = 10 * truth.depth
     depth[truth.kind == 2] = nothing
-    found = solve["scoring"].scores(depth, truth)
+    found = solve["scored_pairs"].scores(depth, truth)
     # The median is the wall's 4 m; the flexible mover is at 1 m.
     assert (found["flexible"].abs_rel, found["flexible"].coverage) == (pytest.approx(3), 0)
     assert (found["moving"].coverage, found["static"].coverage) == (0.5, 1)
@@ -124,7 +124,7 @@ def test_a_pixel_without_depth_stands_at_the_median(solve, pair, nothing):
 def test_saying_nothing_is_saying_one_depth(solve, pair):
     truth = with_movers(pair)
     nothing, one = (
-        solve["scoring"].scores(depth, truth)
+        solve["scored_pairs"].scores(depth, truth)
         for depth in (np.full_like(truth.depth, np.nan), np.ones_like(truth.depth))
     )
     for group, score in nothing.items():
@@ -133,7 +133,7 @@ def test_saying_nothing_is_saying_one_depth(solve, pair):
 
 
 def test_a_group_that_a_pair_lacks_is_not_counted(solve, pair):
-    scores, mean = solve["scoring"].scores, solve["scoring"].mean
+    scores, mean = solve["scored_pairs"].scores, solve["scored_pairs"].mean
     alone, both = scores(pair.depth, pair), scores(np.ones_like(pair.depth), with_movers(pair))
     assert "rigid" not in alone
     together = mean([alone, both])
@@ -142,7 +142,7 @@ def test_a_group_that_a_pair_lacks_is_not_counted(solve, pair):
 
 
 def test_the_triangulated_baselines_find_a_still_world(solve):
-    pairs, rows, scoring = (solve[name] for name in ("pairs", "rows", "scoring"))
+    pairs, rows, scoring = (solve[name] for name in ("pairs", "rows", "scored_pairs"))
     row, column = np.mgrid[:60, :80] + 0.5
     depth = 4 + 2 * np.sin(column / 9) + row / 20
     ray = np.stack([(column - 40) / 100, (row - 30) / 100, np.ones_like(row)], -1)
@@ -182,7 +182,7 @@ def test_noise_is_as_large_as_it_is_said_and_the_same_every_time(solve, pair):
 
 
 def line(solve, row, **scores):
-    made = {group: solve["scoring"].Score(*numbers) for group, numbers in scores.items()}
+    made = {group: solve["scored_pairs"].Score(*numbers) for group, numbers in scores.items()}
     return solve["table"].Line("exact", row, (0,), (made,), made, 1.0, 0.5)
 
 

@@ -41,7 +41,11 @@ def test_a_result_comes_back_as_it_was(report, tmp_path):
 
 def test_a_result_says_all_it_takes_to_repeat_it(report):
     record = report.record()
-    assert record["dataset"]["settings"] == {"_type": "Folder", "root": "rooms"}
+    assert record["dataset"]["settings"] == {
+        "_type": "Folder",
+        "root": "rooms",
+        "part": "all",
+    }
     assert record["dataset"]["truth"].startswith("sha256:")
     assert record["predictions"] == {"folder": "p", "sizes": {"2x1 metric": 3}}
     assert record["protocol"]["scored"]["farthest"] == 80.0

@@ -24,7 +24,7 @@ from flexdepth.experiments.experiment import ImageNet
 from flexdepth.experiments.run import LATEST, run_experiment
 from flexdepth.geometry.depth import KITTI_BINS, NYU_BINS
 from flexdepth.losses import VirtualNormal
-from flexdepth.networks import AGA, Compact
+from flexdepth.networks import AGA, PCA, Compact
 from flexdepth.networks.aga import BASE
 from flexdepth.networks.blocks import Pyramid
 from flexdepth.networks.encoders import Encoder
@@ -200,6 +200,10 @@ def shrunk(experiment, root):
             start = ImageNet(root / "tiny.safetensors")
         case Compact() as network:
             network, start = replace(network, widths=(32, 32, 32, 32)), ImageNet()
+        case PCA() as network:
+            few = replace(network.basis, rows=6, columns=8, components=2)
+            network = replace(network, encoder=Encoder(TINY_ENCODER), basis=few, hidden=8)
+            start = ImageNet(root / "tiny.safetensors")
     batches = experiment.loop.batches
     shapes = tuple((width // 8 // 32 * 32 + 32, 32) for width, _ in batches.shapes)
     return replace(

@@ -194,7 +194,7 @@ def test_a_run_says_what_it_has_and_where_it_computes(finished):
 def test_a_run_leaves_curves_and_pictures(finished):
     events = EventAccumulator(str(finished[0] / "tensorboard"))
     events.Reload()
-    terms = {"term/total", "term/silog", "term/gradient", "term/sky"}
+    terms = {"term/total", "term/silog", "term/gradient", "term/sky", "term/spread", "term/focal"}
     scores = {f"held_out_{name}" for name in SCORES}
     assert set(events.Tags()["scalars"]) == {"rate", *scores, *terms}
     assert events.Tags()["images"] == ["000000", "000001", "000002"]
