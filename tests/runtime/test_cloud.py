@@ -57,7 +57,7 @@ def test_sky_the_unknown_and_what_lies_behind_give_no_points():
 
 
 def test_what_is_known_badly_gives_no_points():
-    unsure = np.array([[0.05, 0.31], [0.3, UNKNOWN]], np.float32)
+    unsure = np.array([[0.05, 0.51], [0.5, UNKNOWN]], np.float32)
     found = points(replace(metric([[1, 2], [3, 4]]), spread=unsure), picture(2, 2))
     assert found.positions[:, 2].tolist() == [1, 3, 4]
 

@@ -43,7 +43,7 @@ __all__ = [
     "write_ply",
 ]
 
-UNSURE = 0.3
+UNSURE = 0.5
 """A pixel whose depth has a larger relative standard deviation is no point: its place in space is
 not known, and the few that are so stand out as clutter."""
 
