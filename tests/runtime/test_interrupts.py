@@ -6,6 +6,14 @@ import pytest
 from flexdepth.runtime.interrupts import interrupts_held
 
 
+@pytest.fixture
+def ctrl_c():
+    """Python's own handler of Ctrl-C; a shell starts what runs in the background without one."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def swallow_one(after):
     with interrupts_held():
         try:
@@ -15,6 +23,7 @@ def swallow_one(after):
         after.append("the block went on")
 
 
+@pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_takes_effect_at_the_end_of_the_block():
     before, after = signal.getsignal(signal.SIGINT), []
     with pytest.raises(KeyboardInterrupt):
