@@ -24,6 +24,16 @@ def test_a_run_starts_from_the_weights_that_are_named(arguments, start, monkeypa
     assert started[0].start == start
 
 
+@pytest.mark.parametrize(
+    ("named", "root"), [([], "mine"), (["--held-out.root", "renders/heldout"], "renders/heldout")]
+)
+def test_what_is_named_to_be_held_out_is_even_if_it_is_the_default(named, root, monkeypatch):
+    started = []
+    monkeypatch.setattr(train, "run_experiment", lambda experiment, *_: started.append(experiment))
+    assert train.run(["compact", "--data.root", "mine", *named]) == 0
+    assert started[0].held_out.root == Path(root)
+
+
 def test_a_file_names_the_run_and_the_command_line_has_the_last_word(monkeypatch, tmp_path):
     file = tmp_path / "mine.yaml"
     file.write_text("like: compact\nseed: 3\nloop: {iterations: 7, save_every: 2}\n")

@@ -77,7 +77,9 @@ def run(arguments: Sequence[str]) -> int:
             default=Train(named, Path("runs") / Path(name).stem),
             config=(tyro.conf.AvoidSubcommands,),
         )
-    experiment = with_own_held_out(named, settings.experiment)
+    experiment = settings.experiment
+    if not any(word.startswith("--held-out") for word in rest):
+        experiment = with_own_held_out(named, experiment)
     if settings.encoder_weights is not None:
         experiment = replace(experiment, start=ImageNet(settings.encoder_weights))
     if settings.start is not None:
