@@ -7,7 +7,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from flexdepth.geometry.field import norm
+from flexdepth.geometry.field import norm, unit
 from flexdepth.geometry.pose import rotated
 
 
@@ -55,10 +55,9 @@ def sampson(
     References:
         Hartley and Zisserman, Multiple view geometry, 2nd edition, 11.4.3.
     """
-    length = norm(t)
-    unit = t / length.where(length > 0, 1.0)[..., None]
-    line = torch.linalg.cross(unit, rotated(n, key))
-    back = rotated(-n, torch.linalg.cross(target, unit))
+    way = unit(t)
+    line = torch.linalg.cross(way, rotated(n, key))
+    back = rotated(-n, torch.linalg.cross(target, way))
     gradient = norm(torch.cat([line[..., :2] / focal, back[..., :2] / focal], -1))
     distance: Tensor = (target * line).sum(-1) / gradient.where(gradient > 0, 1.0)
     return distance

@@ -21,3 +21,9 @@ def norm(vectors: Float[Tensor, "*batch size"]) -> Float[Tensor, "*batch"]:
     square = vectors.square().sum(-1)
     zero = square == 0
     return torch.where(zero, 0.0, square.where(~zero, 1.0).sqrt())
+
+
+def unit(vectors: Float[Tensor, "*batch size"]) -> Float[Tensor, "*batch size"]:
+    """Return the vectors divided by their lengths; 0 stays 0."""
+    length = norm(vectors)
+    return vectors / length.where(length > 0, 1.0)[..., None]

@@ -8,8 +8,9 @@ from jaxtyping import Float
 from torch import Tensor
 
 from flexdepth.geometry.camera import Camera
-from flexdepth.geometry.field import norm
+from flexdepth.geometry.field import norm, unit
 from flexdepth.geometry.pose import rotated
+from flexdepth.geometry.warp import moved
 
 
 def perspective(
@@ -37,8 +38,7 @@ def perspective(
         `perspective_as_written`. |1 - cos| is quadratic in the angle, so the L1 measure makes
         nothing robust there; here the root is taken.
     """
-    point = rotated(n, depth[..., None] * key) + t
-    return norm(_unit(point) - _unit(target))
+    return norm(unit(moved(key, depth, n, t)) - unit(target))
 
 
 def perspective_as_written(
@@ -72,8 +72,3 @@ def perspective_as_written(
     seen = torch.cat([point[..., :2] * focal + point[..., 2:] * centre, point[..., 2:]], -1)
     homogeneous = torch.cat([target, torch.ones_like(target[..., :1])], -1)
     return 1 - torch.cosine_similarity(homogeneous, seen, dim=-1)
-
-
-def _unit(vectors: Float[Tensor, "*batch 3"]) -> Float[Tensor, "*batch 3"]:
-    length = norm(vectors)
-    return vectors / length.where(length > 0, 1.0)[..., None]

@@ -1,14 +1,14 @@
 """What a model bundle says of itself: the JSON in the metadata of its ONNX file."""
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from types import MappingProxyType
 
 from flexdepth.runtime.depthmap import Space
 from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.fields import Field, is_positive, is_text
 
 METADATA_KEY = "flexdepth"
 """The name of the metadata that holds the JSON."""
@@ -70,12 +70,12 @@ def read_description(text: str, file: Path) -> Description:
             f"{file}: metadata `format`: wanted {FORMAT}, got {fields.get('format')!r}; "
             f"another version of flexdepth reads it"
         )
-    for name, (fits, wanted) in _FIELDS.items():
-        if name in _OPTIONAL and fields.get(name) is None:
+    for name, field in _FIELDS.items():
+        if field.default is None and fields.get(name) is None:
             continue
-        if name not in fields or not fits(fields[name]):
+        if name not in fields or not field.fits(fields[name]):
             got = repr(fields[name]) if name in fields else "nothing"
-            raise InputError(f"{file}: metadata `{name}`: wanted {wanted}, got {got}")
+            raise InputError(f"{file}: metadata `{name}`: wanted {field.wanted}, got {got}")
     return Description(
         **{name: fields[name] for name in ("name", "version", "licence", "source", "multiple")},
         space=Space(fields["space"]),
@@ -83,10 +83,6 @@ def read_description(text: str, file: Path) -> Description:
         canonical_focal=float(fields["canonical_focal"]),
         scale_spread=fields.get("scale_spread"),
     )
-
-
-def _is_text(value: object) -> bool:
-    return isinstance(value, str) and bool(value) and value.isprintable()
 
 
 def _is_side(value: object) -> bool:
@@ -97,22 +93,17 @@ def _is_area(value: object) -> bool:
     return isinstance(value, list) and len(value) == 2 and all(map(_is_side, value))
 
 
-def _is_positive(value: object) -> bool:
-    return type(value) in (int, float) and isfinite(value) and value > 0  # type: ignore[arg-type, operator]
-
-
-_TEXT = (_is_text, "a line of text")
-_FIELDS: Mapping[str, tuple[Callable[[object], bool], str]] = MappingProxyType(
+_TEXT = Field(is_text, "a line of text")
+_FIELDS: Mapping[str, Field] = MappingProxyType(
     {
         "name": _TEXT,
         "version": _TEXT,
         "licence": _TEXT,
         "source": _TEXT,
-        "space": (lambda value: value in (Space.METRIC, Space.SCALE), "'metric' or 'scale'"),
-        "area": (_is_area, f"[width, height], each 1 to {_LARGEST_SIDE}"),
-        "multiple": (_is_side, f"a whole number, 1 to {_LARGEST_SIDE}"),
-        "canonical_focal": (_is_positive, "a number > 0"),
-        "scale_spread": (_is_positive, "a number > 0"),
+        "space": Field(lambda value: value in (Space.METRIC, Space.SCALE), "'metric' or 'scale'"),
+        "area": Field(_is_area, f"[width, height], each 1 to {_LARGEST_SIDE}"),
+        "multiple": Field(_is_side, f"a whole number, 1 to {_LARGEST_SIDE}"),
+        "canonical_focal": Field(is_positive, "a number > 0"),
+        "scale_spread": Field(is_positive, "a number > 0", default=None),
     }
 )
-_OPTIONAL = ("scale_spread",)
