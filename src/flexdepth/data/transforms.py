@@ -105,10 +105,7 @@ def as_sample(pair: Pair) -> Sample:
         name=pair.name,
         key=Frame(
             torch.from_numpy(image).float() / 255,
-            Camera(
-                torch.tensor([camera.focal_x, camera.focal_y]),
-                torch.tensor([camera.centre_x, camera.centre_y]),
-            ),
+            Camera.of(camera),
         ),
         truth=Truth(
             torch.from_numpy(np.where(valid, depth, 1)),

@@ -11,6 +11,8 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
+from flexdepth.runtime.depthmap import Intrinsics
+
 
 @dataclass(frozen=True, eq=False)
 class Camera:
@@ -23,6 +25,14 @@ class Camera:
 
     focal: Float[Tensor, "*batch 2"]
     centre: Float[Tensor, "*batch 2"]
+
+    @classmethod
+    def of(cls, intrinsics: Intrinsics) -> "Camera":
+        """Return the camera of one image as tensors."""
+        return cls(
+            torch.tensor([intrinsics.focal_x, intrinsics.focal_y]),
+            torch.tensor([intrinsics.centre_x, intrinsics.centre_y]),
+        )
 
     def resized(self, across: float, down: float) -> "Camera":
         """Return the camera of the same image with its width and height times these factors."""

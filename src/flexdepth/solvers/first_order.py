@@ -162,10 +162,7 @@ def viewed(seen: Seen, clues: Clues | None) -> View:
         one, other = (_single(frame)[None] / 255 for frame in clues.frames)
         frames = one, other
     return View(
-        Camera(
-            torch.tensor([camera.focal_x, camera.focal_y]),
-            torch.tensor([camera.centre_x, camera.centre_y]),
-        ),
+        Camera.of(camera),
         _single(np.where(seen.known[..., None], seen.flow, 0.0)),
         torch.from_numpy(seen.trusted.copy()),
         _single(key),

@@ -21,13 +21,14 @@ from torch.nn.functional import interpolate
 from flexdepth.data.folder import Pair
 from flexdepth.geometry.camera import Camera
 from flexdepth.runtime.atomic import replacing
-from flexdepth.runtime.depthmap import DepthMap, Intrinsics, Space
+from flexdepth.runtime.depthmap import DepthMap, Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.files import write_depth
 from flexdepth.runtime.images import Photo, is_picture_name, read_photo
 from flexdepth.runtime.lens import Said, intrinsics
 from flexdepth.runtime.sizes import resized
 from flexdepth.sample import Frame, Prediction, Sample, in_metres
+from flexdepth.tensors import stacked
 from flexdepth.training.batches import Pairs
 
 
@@ -198,17 +199,10 @@ def _labelled(teacher: nn.Module, path: Path, agreement: Agreement) -> Pair:
     seen = said.prediction.focal
     told = Said(photo.focal_in_diagonals, None if seen is None else float(seen[0]))
     camera = intrinsics(width, height, None, told)
-    sample = Sample((path.stem,), Frame(image[None], _tensors(camera)), None)
+    sample = Sample((path.stem,), Frame(image[None], stacked([Camera.of(camera)])), None)
     metres = in_metres(said.depth[None], said.prediction, sample)[0]
     values = metres.where(said.sure, torch.nan).where(~said.sky, torch.inf)
     return Pair(path.stem, pixels, DepthMap(values.numpy(), Space.METRIC, camera))
-
-
-def _tensors(camera: Intrinsics) -> Camera:
-    return Camera(
-        torch.tensor([[camera.focal_x, camera.focal_y]]),
-        torch.tensor([[camera.centre_x, camera.centre_y]]),
-    )
 
 
 def _size(photo: Photo, agreement: Agreement) -> tuple[int, int]:
