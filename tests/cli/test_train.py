@@ -25,7 +25,12 @@ def test_a_run_starts_from_the_weights_that_are_named(arguments, start, monkeypa
 
 
 @pytest.mark.parametrize(
-    ("named", "root"), [([], "mine"), (["--held-out.root", "renders/heldout"], "renders/heldout")]
+    ("named", "root"),
+    [
+        ([], "mine"),
+        (["--held-out.root", "renders/heldout"], "renders/heldout"),
+        (["--held_out.root", "renders/heldout"], "renders/heldout"),
+    ],
 )
 def test_what_is_named_to_be_held_out_is_even_if_it_is_the_default(named, root, monkeypatch):
     started = []

@@ -78,7 +78,7 @@ def run(arguments: Sequence[str]) -> int:
             config=(tyro.conf.AvoidSubcommands,),
         )
     experiment = settings.experiment
-    if not any(word.startswith("--held-out") for word in rest):
+    if not any(word.replace("_", "-").startswith("--held-out") for word in rest):
         experiment = with_own_held_out(named, experiment)
     if settings.encoder_weights is not None:
         experiment = replace(experiment, start=ImageNet(settings.encoder_weights))
