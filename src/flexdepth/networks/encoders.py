@@ -18,7 +18,7 @@ from torch.nn.functional import conv2d, pad
 from flexdepth.runtime.errors import InputError
 
 _NORMALISATION: Mapping[str, tuple[tuple[float, ...], tuple[float, ...]]] = MappingProxyType(
-    {"tf_efficientnet_lite0": ((127 / 255,) * 3, (128 / 255,) * 3)}
+    {f"tf_efficientnet_lite{n}": ((127 / 255,) * 3, (128 / 255,) * 3) for n in range(5)}
 )
 """Mean and deviation of red, green, blue in [0, 1], where timm's differ from the training's.
 

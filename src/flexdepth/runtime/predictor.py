@@ -12,6 +12,7 @@ from PIL import Image
 
 from flexdepth.runtime.answer import Answer
 from flexdepth.runtime.depthmap import DepthMap, Space
+from flexdepth.runtime.edges import with_sharp_edges
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.estimator import About
 from flexdepth.runtime.images import Photo, read_photo
@@ -142,8 +143,8 @@ class Predictor:
         camera = intrinsics(width, height, self.lens, said)
         about = self.model.description
         unit = camera.focal_in_diagonals(width, height) / about.canonical_focal
-        values = own.log_depth
-        values += np.float32(log(unit))
+        values = with_sharp_edges(own.log_depth, photo.pixels)
+        values = values + np.float32(log(unit))
         np.exp(values, out=values)
         sky = own.sky > _SKY
         values[sky] = np.inf
