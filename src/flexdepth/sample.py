@@ -24,6 +24,11 @@ class Frame:
     image: Float[Tensor, "*batch 3 height width"]
     camera: Camera
 
+    def focal_by_area(self) -> Float[Tensor, "*batch"]:
+        """Return the focal length divided by the diagonal of a 4:3 image of the same area."""
+        height, width = self.image.shape[-2:]
+        return self.camera.focal_by_area(width, height)
+
     def focal_in_diagonals(self) -> Float[Tensor, "*batch"]:
         """Return the camera's focal length divided by the image's diagonal."""
         height, width = self.image.shape[-2:]
@@ -73,9 +78,9 @@ class Prediction:
 
     Attributes:
         depth: For a camera of `canonical_focal`, or for the camera that took the image.
-        canonical_focal: In image diagonals: metres = depth * unit * (focal length in diagonals) /
-            `canonical_focal`. None for a network whose units do not depend on the camera:
-            metres = depth * unit.
+        canonical_focal: In diagonals of a 4:3 image of the same area: metres = depth * unit *
+            (focal length in these diagonals) / `canonical_focal`. None for a network whose units
+            do not depend on the camera: metres = depth * unit.
         sky_logit: Log odds of a pixel being sky.
         attention: Maps of spatial attention in [0, 1], coarsest first, each at its own size.
         logits: Of the probability of each of `bins`; `depth` is decoded from them.
@@ -134,7 +139,7 @@ def true_depth(
     truth, bins = measured(sample, wanted_by), prediction.bins
     depth = truth.depth
     if prediction.canonical_focal is not None:
-        focal = sample.key.focal_in_diagonals()
+        focal = sample.key.focal_by_area()
         depth = canonical_from_metres(depth, focal, prediction.canonical_focal)
     if bins is not None:
         depth = depth / bins.unit
@@ -158,5 +163,5 @@ def in_metres(
         depth = depth * prediction.bins.unit
     if prediction.canonical_focal is None:
         return depth
-    focal = sample.key.focal_in_diagonals()
+    focal = sample.key.focal_by_area()
     return metres_from_canonical(depth, focal, prediction.canonical_focal)

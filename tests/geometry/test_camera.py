@@ -46,6 +46,13 @@ def test_a_focal_length_of_480_on_a_diagonal_of_800_is_six_tenths():
     assert_close(cameras.focal_in_diagonals(640, 480), torch.tensor([0.6, 0.6]))
 
 
+def test_by_area_a_wide_image_counts_as_the_4_to_3_image_of_as_many_pixels():
+    camera = camera_of((480, 480), (320, 240))
+    assert_close(camera.focal_by_area(640, 480), torch.tensor(0.6, dtype=torch.float64))
+    assert_close(camera.focal_by_area(1280, 240), torch.tensor(0.6, dtype=torch.float64))
+    assert_close(camera.focal_by_area(480, 640), torch.tensor(0.6, dtype=torch.float64))
+
+
 def test_the_focal_length_in_diagonals_does_not_know_the_size_of_the_image():
     camera = camera_of((480, 480), (320, 240))
     assert_close(

@@ -162,7 +162,7 @@ def test_a_batch_costs_what_its_images_cost_alone(loss):
 )
 def test_the_truth_seen_through_its_camera_costs_nothing(loss):
     _, logit, sample = batch()
-    focal = sample.key.focal_in_diagonals()
+    focal = sample.key.focal_by_area()
     canonical = sample.truth.depth * (0.8 / focal)[:, None, None]
     assert_close(value(loss, canonical, logit, sample), torch.zeros(3, dtype=torch.float64))
     if isinstance(loss, Silog | Squared):

@@ -79,12 +79,13 @@ def test_a_map_lies_on_its_photo_without_a_shift(predictor):
 def test_between_two_depths_lies_their_geometric_mean(predictor):
     found = predictor.predict(gray(1, 1, 51, focal_in_diagonals=0.5)).depth
     assert found.shape == (1, 1)
-    assert found[0, 0] == pytest.approx(1.2, rel=1e-5)
+    assert found[0, 0] == pytest.approx(1.2 * 24**0.5 / 5, rel=1e-5)
     steps = np.zeros((3072, 64, 3), np.uint8)
     steps[1536:] = 250
     long = Predictor(predictor.model, long_side=64).predict(Photo(steps, 0.5, ())).depth
     middle = long[1535:1537].mean()
-    assert middle == pytest.approx((1 * (1 + 250 / 255)) ** 0.5, rel=1e-3)
+    by_area = np.hypot(64, 3072) / (5 * (64 * 3072 / 12) ** 0.5)
+    assert middle == pytest.approx((1 + 250 / 255) ** 0.5 * by_area, rel=1e-3)
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=30)
@@ -92,7 +93,8 @@ def test_between_two_depths_lies_their_geometric_mean(predictor):
 def test_every_size_comes_back_as_it_went_in(predictor, width, height, level):
     found = predictor.predict(gray(width, height, level, focal_in_diagonals=0.5))
     assert found.values.shape == (height, width)
-    np.testing.assert_allclose(found.depth, 1 + level / 255, rtol=1e-5)
+    by_area = (width * width + height * height) ** 0.5 / (5 * (width * height / 12) ** 0.5)
+    np.testing.assert_allclose(found.depth, (1 + level / 255) * by_area, rtol=1e-5)
 
 
 @pytest.mark.parametrize("size", [(1, 5000), (5000, 1), (1, 70000)])

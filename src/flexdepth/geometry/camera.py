@@ -5,13 +5,18 @@ top left corner, so a principal point in the middle of a 640-pixel row is 320.
 """
 
 from dataclasses import dataclass
-from math import hypot
+from math import hypot, sqrt
 
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
 from flexdepth.runtime.depthmap import Intrinsics
+
+
+def diagonal_by_area(width: int, height: int) -> float:
+    """Return the diagonal of a 4:3 image of the same area as one of `width` by `height`."""
+    return 5 * sqrt(width * height / 12)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,3 +82,11 @@ class Camera:
         cropping makes it larger.
         """
         return self.focal.prod(-1).sqrt() / hypot(width, height)
+
+    def focal_by_area(self, width: int, height: int) -> Float[Tensor, "*batch"]:
+        """Return the focal length divided by the diagonal of a 4:3 image of the same area.
+
+        What depth is canonical for: a thing of so many pixels is as far away in a wide image as in
+        a square one, and a network that looks at a part of either need not know which it is.
+        """
+        return self.focal.prod(-1).sqrt() / diagonal_by_area(width, height)

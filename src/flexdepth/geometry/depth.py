@@ -99,34 +99,33 @@ KITTI_BINS = DepthBins(100, 0.015, 1.0, unit=80.0)
 
 def canonical_from_metres(
     depth: Float[Tensor, "*batch height width"],
-    focal_in_diagonals: Float[Tensor, "*batch"],
+    focal: Float[Tensor, "*batch"],
     canonical_focal: float,
 ) -> Float[Tensor, "*batch height width"]:
-    """Return `depth * canonical_focal / focal_in_diagonals`.
+    """Return `depth * canonical_focal / focal`.
 
     Args:
         depth: In metres.
-        focal_in_diagonals: Of the camera that took the image: focal length in pixels divided by
-            the image's diagonal in pixels.
+        focal: Focal length of the camera that took the image (`Camera.focal_by_area`).
         canonical_focal: Of the camera that the result is meant for, likewise.
 
     References:
-        Yin et al., Metric3D, ICCV 2023, section 3.2, with the focal length in image diagonals, so
-        that the size of the image does not matter.
+        Yin et al., Metric3D, ICCV 2023, section 3.2, there in pixels; divided by the image's size,
+        so that resizing it does not matter.
     """
-    return depth * (canonical_focal / focal_in_diagonals)[..., None, None]
+    return depth * (canonical_focal / focal)[..., None, None]
 
 
 def metres_from_canonical(
     depth: Float[Tensor, "*batch height width"],
-    focal_in_diagonals: Float[Tensor, "*batch"],
+    focal: Float[Tensor, "*batch"],
     canonical_focal: float,
 ) -> Float[Tensor, "*batch height width"]:
-    """Return `depth * focal_in_diagonals / canonical_focal`: metres, from canonical depth.
+    """Return `depth * focal / canonical_focal`: metres, from canonical depth.
 
     Args:
         depth: For a camera of `canonical_focal`.
-        focal_in_diagonals: Of the camera that took the image.
+        focal: Of the camera that took the image.
         canonical_focal: As in `canonical_from_metres`, whose inverse this is.
     """
-    return depth * (focal_in_diagonals / canonical_focal)[..., None, None]
+    return depth * (focal / canonical_focal)[..., None, None]

@@ -41,7 +41,7 @@ class AGA:
         block: On each lateral and after each merge.
         top_norm: The normalisation after the pyramid has been brought to `top` channels.
         head: What the last map means.
-        canonical_focal: In image diagonals; None, as published, for depth that does not depend on
+        canonical_focal: As in `Prediction`; None, as published, for depth that does not depend on
             the camera.
 
     References:

@@ -20,8 +20,8 @@ class Compact:
     """Depth and sky of one image, how sure that is, and the lens; fast enough for two cores.
 
     The depth is canonical: what it would be, in metres, had the image been taken with a focal
-    length of `canonical_focal` image diagonals. A picture does not tell its focal length, so
-    metres = depth * (focal length in diagonals) / `canonical_focal`.
+    length of `canonical_focal` diagonals of a 4:3 image of the same area. A picture does not tell
+    its focal length, so metres = depth * (focal length in these diagonals) / `canonical_focal`.
 
     Attributes:
         encoder: Whose five feature maps lie at strides 2, 4, 8, 16 and 32.
@@ -32,7 +32,7 @@ class Compact:
         head: What the last map means.
         spread: What says how far off depth may be.
         focal: What says which lens took the image.
-        canonical_focal: In image diagonals.
+        canonical_focal: In diagonals of a 4:3 image of the same area.
     """
 
     encoder: Encoder = field(default_factory=Encoder)

@@ -116,7 +116,7 @@ class EDRB:
     Attributes:
         rows: The encoder and the decoder.
         head: What the last map means.
-        canonical_focal: In image diagonals; None, as published, for depth that does not depend on
+        canonical_focal: As in `Prediction`; None, as published, for depth that does not depend on
             the camera.
     """
 

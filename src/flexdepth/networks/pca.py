@@ -82,7 +82,7 @@ class PCA:
             whatever its size.
         hidden: Numbers between the grid and the coefficients.
         filter: What works at the size of the image.
-        canonical_focal: In image diagonals; None, as published, for depth that does not depend on
+        canonical_focal: As in `Prediction`; None, as published, for depth that does not depend on
             the camera.
     """
 
@@ -120,7 +120,7 @@ class PCA:
             truth = measured(sample, "PCA")
             depth = truth.depth
             if self.canonical_focal is not None:
-                focal = sample.key.focal_in_diagonals()
+                focal = sample.key.focal_by_area()
                 depth = canonical_from_metres(depth, focal, self.canonical_focal)
             valid = truth.valid & (depth > 0) & depth.isfinite()
             yield depth.where(valid, self.basis.farthest), valid | truth.sky

@@ -31,8 +31,8 @@ class Description:
             `scale`.
         area: Width and height whose product is the number of pixels that the network runs at.
         multiple: Width and height of what the network is given are multiples of this.
-        canonical_focal: The focal length, in diagonals of the image, for which `depth` is
-            metres.
+        canonical_focal: The focal length, in diagonals of a 4:3 image of the same area, for which
+            `depth` is metres.
         source: How the weights were made.
         scale_spread: The relative standard deviation of metres by one factor for the whole map,
             the focal length being known; None where nobody has measured it.

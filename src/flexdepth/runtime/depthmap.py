@@ -83,6 +83,10 @@ class Intrinsics:
         """Return the focal length divided by the image's diagonal: 0.6 for a typical phone."""
         return sqrt(self.focal_x * self.focal_y) / hypot(width, height)
 
+    def focal_by_area(self, width: int, height: int) -> float:
+        """Return the focal length divided by the diagonal of a 4:3 image of the same area."""
+        return sqrt(self.focal_x * self.focal_y / (width * height)) * sqrt(12) / 5
+
 
 @dataclass(frozen=True, eq=False)
 class DepthMap:

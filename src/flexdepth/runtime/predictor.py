@@ -142,7 +142,7 @@ class Predictor:
         said = Said(photo.focal_in_diagonals, whole.focal_of_one)
         camera = intrinsics(width, height, self.lens, said)
         about = self.model.description
-        unit = camera.focal_in_diagonals(width, height) / about.canonical_focal
+        unit = camera.focal_by_area(width, height) / about.canonical_focal
         values = with_sharp_edges(own.log_depth, photo.pixels)
         values = values + np.float32(log(unit))
         np.exp(values, out=values)
