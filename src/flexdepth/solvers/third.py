@@ -36,7 +36,7 @@ def with_third(world: World, seen: Seen, third: ThirdFrame) -> World:
     camera = camera_motion(from_flow(third.flow, still, third.noise, seen.camera))
     if not camera.translates:
         return world
-    sight = sight_of(other)
+    sight = replace(sight_of(other), down=world.sight.down)
     along = along_of(sight, camera)
     noise = sight.noise * camera.noise_factor
     labels = _labels(world, sight, np.abs(along.across) < _OFF * noise)
