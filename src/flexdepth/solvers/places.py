@@ -27,7 +27,7 @@ _SLOPE = 2e-3
 _NEAREST = 0.9
 """The quantile of the ratios under a foot that is its contact: the nearest part touches."""
 
-_BOUND = 0.75
+_BOUND = 0.6
 """The quantile of the ratios along the border that ordering goes by: some are wrong."""
 
 _SURE = 0.3

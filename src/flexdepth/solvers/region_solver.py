@@ -20,7 +20,8 @@ from flexdepth.solvers.pieces import Labels, pieces
 from flexdepth.solvers.regions import filled, moving_regions
 from flexdepth.solvers.relative_scale import Scale, relative_scale
 from flexdepth.solvers.seen import Seen
-from flexdepth.solvers.things import Sight, Thing, middle_motion, scaled, things, wobble
+from flexdepth.solvers.sight import Sight
+from flexdepth.solvers.things import Thing, middle_motion, scaled, things, wobble
 from flexdepth.solvers.two_view import Along
 from flexdepth.solvers.world import World, along_of, sight_of
 
@@ -57,7 +58,7 @@ def solved_regions(seen: Seen, clear: float) -> World:
     least = clear * sight.noise * camera.noise_factor
     floor = ground(sight.key, along.inverse_depth, _static(sight, all_moving, along, least))
     sight = replace(sight, down=None if floor is None else floor.normal)
-    labels, found = things(all_moving, sight, camera.pose, moving.strays)
+    labels, found = things(all_moving, cut, sight, camera.pose, moving.strays)
     return _scaled_world(sight, _Stage(camera, along, floor, clear), labels, found)
 
 

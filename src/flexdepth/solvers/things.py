@@ -10,12 +10,13 @@ from flexdepth.solvers.answer import Kind
 from flexdepth.solvers.pieces import Labels
 from flexdepth.solvers.pose import Pose, angle
 from flexdepth.solvers.region_motion import (
-    Pixels,
     RegionMotion,
     explained,
     flexible_motion,
     region_motion,
 )
+from flexdepth.solvers.rigid_parts import split
+from flexdepth.solvers.sight import Sight
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -24,63 +25,8 @@ _PART = 0.5
 """A rigid region smaller than this share of a bending one that it touches is a part of it."""
 
 
-_STEEP = 0.5
-"""The level share of the squared ray to a thing, below which it is seen from above."""
-
-_PROFILE = (0.5, 2.0)
-"""The least and the most of an upright thing's inverse depth, in that of its middle."""
-
 _UNSEEN = 0.12
 """How far the middle of a thing is from where it is taken to be, in widths."""
-
-
-@dataclass(frozen=True, eq=False)
-class Sight:
-    """What the solver's parts look at; maps of the key frame's size.
-
-    Attributes:
-        key: Rays x 3, z = 1.
-        target: Rays to where the flow leads.
-        flow: x 2, pixels, 0 where unknown.
-        noise: Pixels; 1 where the flow is not to be trusted.
-        trusted: Where it is.
-        focal: Across and down, pixels.
-        down: The ground's unit normal in the key camera; None where no ground is seen.
-    """
-
-    key: Array
-    target: Array
-    flow: Array
-    noise: Array
-    trusted: Mask
-    focal: Array
-    down: Array | None = None
-
-    def pixels(self, inside: Mask) -> Pixels:
-        """Return the trusted pixels of a region."""
-        at = inside & self.trusted
-        key = self.key[at]
-        profile = upright(key, self.down)
-        return Pixels(key, self.target[at], self.noise[at], self.focal, profile)
-
-
-def upright(key: Array, down: Array | None) -> Array:
-    """Return the inverse depth of a flat thing that stands upright and faces the camera; mean 1.
-
-    The plane m·X = c has ρ = m·x / c, and m is where the thing is seen, made level. What is seen
-    from steeply above shows its upper side as well: there the thing is taken to be equally deep.
-
-    Args:
-        key: Rays to the thing, n x 3.
-        down: The ground's unit normal; None where no ground is seen.
-    """
-    if down is None or not len(key):
-        return np.ones(len(key))
-    middle = key.mean(axis=0)
-    level = middle - (middle @ down) * down
-    if level @ level < _STEEP * (middle @ middle):
-        return np.ones(len(key))
-    return np.asarray(np.clip(key @ level / (middle @ level), *_PROFILE))
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,14 +48,18 @@ class Thing:
         return Kind.RIGID if single else Kind.FLEXIBLE
 
 
-def things(labels: Labels, sight: Sight, camera: Pose, floor: float) -> tuple[Labels, list[Thing]]:
-    """Return regions, some of them put together, and the things that they make up.
+def things(
+    labels: Labels, cut: Labels, sight: Sight, camera: Pose, floor: float
+) -> tuple[Labels, list[Thing]]:
+    """Return regions, some of them parted or put together, and the things that they make up.
 
-    Regions that one rigid motion explains become one, wherever they are: something may stand
-    between them. Bending regions that touch have one scale.
+    Rigid parts of what bends become regions of their own. Regions that one rigid motion explains
+    become one, wherever they are: something may stand between them. Bending regions that touch
+    have one scale.
 
     Args:
         labels: Of the moving regions, 0 is still.
+        cut: Pieces of the frame.
         sight: What is seen.
         camera: Its motion.
         floor: Pixels that what is still is off its epipolar lines.
@@ -120,6 +70,7 @@ def things(labels: Labels, sight: Sight, camera: Pose, floor: float) -> tuple[La
         if (sight.trusted & (labels == label)).sum() >= 12
     }
     labels = np.where(np.isin(labels, list(motions)), labels, 0).astype(np.int32)
+    labels, motions = split(labels, motions, cut, sight, (camera, floor))
     labels, motions = _renumbered(*_same_motion(labels, motions, sight, (camera, floor)))
     groups = _touching(labels, motions)
     found = []

@@ -10,7 +10,7 @@ from flexdepth.solvers.ego_motion import camera_motion
 from flexdepth.solvers.fusion import common_factor, fused
 from flexdepth.solvers.region_motion import region_motion
 from flexdepth.solvers.seen import Seen, ThirdFrame
-from flexdepth.solvers.things import Sight
+from flexdepth.solvers.sight import Sight
 from flexdepth.solvers.two_view import Along
 from flexdepth.solvers.world import World, along_of, sight_of
 
