@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexdepth.solvers.answer import Evidence, Kind
-from flexdepth.solvers.borders import Border
+from flexdepth.solvers.borders import Border, nearness_beside
 from flexdepth.solvers.clues import Clues
 from flexdepth.solvers.ground import Ground
 from flexdepth.solvers.relative_scale import least_error, relative_scale
@@ -71,6 +71,24 @@ def test_in_doubt_a_thing_is_put_where_the_error_is_the_smaller():
     assert least_error(grid, even) == grid[1]
     # At odds of 4 to 1 both weigh .8 and .4.
     assert least_error(grid, np.array([0.8, 0.2])) == grid[0]
+
+
+def test_a_limb_is_as_near_as_the_body_that_it_touches():
+    # Without a foot, and small enough to be a thing of its own much nearer than that.
+    limb = clues(foot=False, size=0.1, way=np.array([0.3, 0.0, 0.2]))
+    assert relative_scale(replace(limb, beside=-0.5)).value == pytest.approx(np.exp(-0.5), rel=0.05)
+
+
+def test_what_stands_elsewhere_is_no_part_of_what_it_touches():
+    assert relative_scale(clues(beside=-1.5)).value == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_region_is_as_near_as_its_neighbour_where_their_borders_say_so():
+    inside, other = np.zeros((6, 20), bool), np.full((6, 20), np.nan)
+    inside[:, :10], other[:, 10:] = True, 3.0
+    assert nearness_beside(inside, np.full((6, 20), 2.0), other) == pytest.approx(1.5)
+    other[:, 10:13] = np.nan
+    assert nearness_beside(inside, np.full((6, 20), 2.0), other) is None
 
 
 def test_a_camera_that_stays_tells_no_scale():

@@ -26,6 +26,7 @@ class Clues:
         typical: ln s that puts it among what is still: a first guess, no clue.
         size: The square root of the area that it shows, at scale 1.
         rest: ln s at which it lies on the ground as a ball does; None for what is no ball.
+        beside: ln s at which it is as near as the moving thing that it touches; None if alone.
     """
 
     kind: Kind
@@ -37,6 +38,7 @@ class Clues:
     typical: float
     size: float
     rest: float | None
+    beside: float | None = None
 
 
 @dataclass(frozen=True)
@@ -46,12 +48,14 @@ class Habits:
     Attributes:
         joint: Probability of standing, of hanging on to what is still, and of being in the air;
             each with that of staying, of moving level, and of moving anyhow.
+        part: Probability, against these, of being a part of what moves and is touched.
         contact: Standard deviation of ln s at a contact.
         stay: Scale of how far from its place a thing strays that stays, in ways of the camera.
         level: Standard deviation of the rise of what moves level, likewise, and per its own way.
     """
 
     joint: tuple[tuple[float, float, float], ...]
+    part: float
     contact: float
     stay: float
     level: tuple[float, float]
@@ -59,10 +63,10 @@ class Habits:
 
 HABITS = {
     Kind.RIGID: Habits(
-        ((0.05, 0.59, 0.003), (0.0, 0.0, 0.0), (0.03, 0.16, 0.16)), 0.05, 0.02, (0.006, 0.004)
+        ((0.05, 0.59, 0.003), (0.0, 0.0, 0.0), (0.03, 0.16, 0.16)), 0.5, 0.05, 0.02, (0.006, 0.004)
     ),
     Kind.FLEXIBLE: Habits(
-        ((0.25, 0.13, 0.17), (0.1, 0.0, 0.05), (0.1, 0.05, 0.13)), 0.07, 0.08, (0.05, 0.05)
+        ((0.25, 0.13, 0.17), (0.1, 0.0, 0.05), (0.1, 0.05, 0.13)), 1.0, 0.07, 0.08, (0.05, 0.05)
     ),
 }
 

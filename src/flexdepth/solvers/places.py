@@ -49,6 +49,9 @@ median, and the deviation of its logarithm."""
 _LIES = 0.25
 """A ball lies on the ground if it does so at a scale so near to that of contact, in ln s."""
 
+_JOINT = 0.1
+"""The deviation of ln s between parts of a body that touch."""
+
 _ABOVE = 0.2
 """And nearer than most of what is still, likewise."""
 
@@ -125,3 +128,14 @@ def as_large(clues: Clues, grid: Array) -> Array:
         return np.ones_like(grid)
     heights = clues.size * float(np.linalg.norm(clues.floor.plane))
     return normal(np.log(heights / _SIZE[0]) - grid, _SIZE[1])
+
+
+def as_a_part(clues: Clues, grid: Array) -> Array:
+    """Return the density of a part of a body, as a limb is: it is as near as what it touches.
+
+    Parts are of any size, as likely as a thing would on the average be of its own.
+    """
+    if clues.beside is None:
+        return np.zeros_like(grid)
+    size = 1.0 if clues.floor is None else 1 / (2 * np.sqrt(np.pi) * _SIZE[1])
+    return size * normal(grid - clues.beside, _JOINT)

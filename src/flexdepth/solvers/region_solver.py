@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from flexdepth.solvers.answer import Evidence, Kind, Region
 from flexdepth.solvers.body import ball_at_rest
-from flexdepth.solvers.borders import Surroundings, border, surroundings
+from flexdepth.solvers.borders import Surroundings, border, nearness_beside, surroundings
 from flexdepth.solvers.clues import Clues
 from flexdepth.solvers.correspondences import Correspondences, from_flow
 from flexdepth.solvers.criterion import MotionKind
@@ -27,6 +27,12 @@ from flexdepth.solvers.world import World, along_of, sight_of
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+_BODY = 0.5
+"""The least size of a body, in that of its part."""
+
+_TELLS = (Evidence.CONTACT, Evidence.MOTION)
+"""What tells enough of a thing's scale that those of its parts may hang on it."""
 
 _PULLS = 3.0
 """Standard deviations at which a pixel stops pulling at the camera's motion."""
@@ -100,6 +106,16 @@ class _Stage:
     clear: float
 
 
+@dataclass(frozen=True, eq=False)
+class _SeenThing:
+    """A thing, where it is seen, its inverse depth at scale 1, and what tells of its scale."""
+
+    thing: Thing
+    inside: Mask
+    own: Array
+    clues: Clues
+
+
 def _scaled_world(sight: Sight, stage: _Stage, labels: Labels, found: list[Thing]) -> World:
     camera, along = stage.camera, stage.along
     noise = sight.noise * camera.noise_factor
@@ -112,9 +128,14 @@ def _scaled_world(sight: Sight, stage: _Stage, labels: Labels, found: list[Thing
     rotation = np.broadcast_to(camera.pose.rotation, (count, 3, 3)).copy()
     translation = np.broadcast_to(camera.pose.translation, (count, 3)).copy()
     told = [Region(0, Kind.STATIC, Evidence.CAMERA, 1.0, 0.0, int((labels == 0).sum()))] * count
-    for thing in found:
-        scale = relative_scale(_clues(sight, stage, labels, thing, (around, typical)))
-        for label, motion in zip(thing.labels, thing.motions, strict=True):
+    seen = [_clues(sight, stage, labels, thing, (around, typical)) for thing in found]
+    order = np.argsort([relative_scale(each.clues).spread for each in seen], kind="stable")
+    movers = np.full(labels.shape, np.nan)
+    for each in [seen[k] for k in order]:
+        scale = relative_scale(replace(each.clues, beside=_beside(each, movers)))
+        if scale.evidence in _TELLS:
+            movers[each.inside] = scale.value * each.own[each.inside]
+        for label, motion in zip(each.thing.labels, each.thing.motions, strict=True):
             at = (labels == label) & sight.trusted
             nearer = scaled(motion, scale.value)
             inverse[at] = nearer.inverse_depth
@@ -125,6 +146,14 @@ def _scaled_world(sight: Sight, stage: _Stage, labels: Labels, found: list[Thing
     return World(
         sight, camera, labels, tuple(told), inverse, spread, rotation[labels], translation[labels]
     )
+
+
+def _beside(seen: _SeenThing, movers: Array) -> float | None:
+    """Return ln s at which a rigid thing is as near as the larger moving things that it touches."""
+    if seen.thing.kind is not Kind.RIGID or np.isfinite(movers).sum() < seen.inside.sum() * _BODY:
+        return None
+    ratio = nearness_beside(seen.inside, seen.own, movers)
+    return None if ratio is None else float(np.log(ratio))
 
 
 def _static(sight: Sight, labels: Labels, along: Along, least: Array) -> Mask:
@@ -142,7 +171,7 @@ def _static(sight: Sight, labels: Labels, along: Along, least: Array) -> Mask:
 
 def _clues(
     sight: Sight, stage: _Stage, labels: Labels, thing: Thing, still: tuple[Surroundings, float]
-) -> Clues:
+) -> _SeenThing:
     """Return what is seen of one thing; `still` is the static world, and its typical depth."""
     pose = stage.camera.pose
     own = _own_inverse_depth(labels, thing, sight.trusted)
@@ -154,7 +183,7 @@ def _clues(
     rest = None
     if thing.kind is Kind.RIGID and stage.floor is not None:
         rest = ball_at_rest(points, size, stage.floor)
-    return Clues(
+    clues = Clues(
         kind=thing.kind,
         border=border(inside, own, still[0]),
         motion=middle_motion(thing, counts, middles, pose),
@@ -165,6 +194,7 @@ def _clues(
         size=size,
         rest=rest,
     )
+    return _SeenThing(thing, inside, own, clues)
 
 
 def _region(label: int, kind: Kind, scale: Scale, pixels: int) -> Region:

@@ -33,9 +33,12 @@ from numpy.typing import NDArray
 from flexdepth.solvers.answer import Evidence
 from flexdepth.solvers.clues import HABITS, Clues
 from flexdepth.solvers.motions import motions
-from flexdepth.solvers.places import FEWEST, as_large, places
+from flexdepth.solvers.places import FEWEST, as_a_part, as_large, places
 
 Array = NDArray[np.float64]
+
+_PART = (1, 3)
+"""Where a part of a body is among the places and motions: it hangs on."""
 
 _WITHIN = 0.1
 """Confidence is the probability of a scale within this part of the one that is said."""
@@ -77,6 +80,7 @@ def relative_scale(clues: Clues, vague: float = 0.7) -> Scale:
         (place, motion): habits.joint[place][motion] * by_place[place] * by_motion[motion] * size
         for place, motion in product(range(3), range(3))
     }
+    parts[_PART] = habits.part * as_a_part(clues, grid) * by_motion[2]
     density = np.sum(list(parts.values()), axis=0)
     total = float(density.sum())
     if not total > 0:
