@@ -107,7 +107,7 @@ def _same_motion(
         if label not in motions or motions[label].kind is not Kind.RIGID:
             continue
         joined = False
-        for other in [each for each in motions if each > label]:
+        for other in [each for each in motions if _may_join(motions, each, label)]:
             if explained(sight.pixels(labels == other), motions[label].pose, floor):
                 labels[labels == other] = label
                 del motions[other]
@@ -115,6 +115,11 @@ def _same_motion(
         if joined:
             motions[label] = region_motion(sight.pixels(labels == label), camera, floor)
     return labels, motions
+
+
+def _may_join(motions: dict[int, RegionMotion], other: int, label: int) -> bool:
+    """Return whether a region may join a rigid one: smaller ones, and what no motion explained."""
+    return other > label or (other != label and motions[other].kind is Kind.FLEXIBLE)
 
 
 def _renumbered(
