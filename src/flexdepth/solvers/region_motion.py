@@ -38,7 +38,7 @@ _TURN = 0.06
 """Radians by which a thing typically turns beside the camera; balls roll much more."""
 
 _STEPS = 15
-_POINTS = 1500
+_POINTS = 800
 """More pixels than these add no accuracy to six numbers."""
 
 _RIGID = 1.6
