@@ -17,6 +17,9 @@ _FEWEST = 3
 _INSIDE = 3
 """Samples across a border: on the outside, how many at least of them, and on the inside."""
 
+_TOUCHES = 12
+"""Pairs of pixels, up to two apart, that make two regions touch."""
+
 _LEAP = 0.25
 """A relative change of inverse depth from one sample to the next that ends the surface."""
 
@@ -91,6 +94,28 @@ def border(inside: Mask, inverse_depth: Array, around: Surroundings) -> Border:
     joined = [np.concatenate(each) for each in zip(*parts, strict=True)]
     row, column, down, ratio, slope, jump, hidden = joined
     return Border(row.astype(np.intp), column.astype(np.intp), down > 0, ratio, slope, jump, hidden)
+
+
+def nearness_beside(inside: Mask, own: Array, others: Array) -> float | None:
+    """Return the median of others' inverse depth over a region's own where the two touch.
+
+    Args:
+        inside: The region.
+        own: Height x width: its inverse depth.
+        others: Likewise, of what it may touch; NaN elsewhere.
+    """
+    height, width = inside.shape
+    around = np.pad(others, 2, constant_values=np.nan)
+    own = np.where(inside & (own > 0), own, np.nan)
+    ratios = []
+    for down, right in _WAYS:
+        for step in (1, 2):
+            row, column = 2 + step * down, 2 + step * right
+            there = around[row : row + height, column : column + width]
+            ratios.append((there / own).ravel())
+    found = np.concatenate(ratios)
+    found = found[np.isfinite(found)]
+    return float(np.median(found)) if len(found) >= _TOUCHES else None
 
 
 def _one_way(

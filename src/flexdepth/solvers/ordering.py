@@ -14,7 +14,7 @@ from flexdepth.solvers.borders import Border, border, surroundings
 from flexdepth.solvers.ground import ground
 from flexdepth.solvers.pieces import Labels
 from flexdepth.solvers.regions import connected
-from flexdepth.solvers.things import Sight
+from flexdepth.solvers.sight import Sight
 from flexdepth.solvers.two_view import Along
 
 Array = NDArray[np.float64]

@@ -1,29 +1,38 @@
 """The world as a few regions with a motion each."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdepth.solvers.answer import Evidence, Kind, Region
-from flexdepth.solvers.borders import border, surroundings
+from flexdepth.solvers.body import ball_at_rest
+from flexdepth.solvers.borders import Surroundings, border, nearness_beside, surroundings
+from flexdepth.solvers.clues import Clues
 from flexdepth.solvers.correspondences import Correspondences, from_flow
 from flexdepth.solvers.criterion import MotionKind
 from flexdepth.solvers.ego_motion import CameraMotion, camera_motion, forward
 from flexdepth.solvers.epipolar import Epipolar
-from flexdepth.solvers.ground import ground
+from flexdepth.solvers.ground import Ground, ground
 from flexdepth.solvers.least_squares import cost, refined, squares
 from flexdepth.solvers.ordering import Still, with_sunk
 from flexdepth.solvers.pieces import Labels, pieces
 from flexdepth.solvers.regions import filled, moving_regions
-from flexdepth.solvers.relative_scale import Clues, Scale, relative_scale
+from flexdepth.solvers.relative_scale import Scale, relative_scale
 from flexdepth.solvers.seen import Seen
-from flexdepth.solvers.things import Sight, Thing, middle_motion, scaled, things, wobble
+from flexdepth.solvers.sight import Sight
+from flexdepth.solvers.things import Thing, middle_motion, scaled, things, wobble
 from flexdepth.solvers.two_view import Along
 from flexdepth.solvers.world import World, along_of, sight_of
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+_BODY = 0.5
+"""The least size of a body, in that of its part."""
+
+_TELLS = (Evidence.CONTACT, Evidence.MOTION)
+"""What tells enough of a thing's scale that those of its parts may hang on it."""
 
 _PULLS = 3.0
 """Standard deviations at which a pixel stops pulling at the camera's motion."""
@@ -51,9 +60,12 @@ def solved_regions(seen: Seen, clear: float) -> World:
         camera = _refined(camera, from_flow(seen.flow, still, seen.noise, seen.camera))
         along = along_of(sight, camera)
         moving = moving_regions(cut, sight.flow, along, sight.noise, trusted)
-    all_moving = with_sunk(Still(cut, moving.labels, along), sight)
-    labels, found = things(filled(all_moving, trusted), sight, camera.pose, moving.strays)
-    return _scaled_world(sight, camera, along, (labels, found, clear))
+    all_moving = filled(with_sunk(Still(cut, moving.labels, along), sight), trusted)
+    least = clear * sight.noise * camera.noise_factor
+    floor = ground(sight.key, along.inverse_depth, _static(sight, all_moving, along, least))
+    sight = replace(sight, down=None if floor is None else floor.normal)
+    labels, found = things(all_moving, cut, sight, camera.pose, moving.strays)
+    return _scaled_world(sight, _Stage(camera, along, floor, clear), labels, found)
 
 
 def _likelier(camera: CameraMotion, every: Correspondences) -> CameraMotion:
@@ -77,42 +89,53 @@ def _refined(camera: CameraMotion, still: Correspondences) -> CameraMotion:
     return replace(camera, pose=refined(epipolar, camera.pose, _PULLS))
 
 
-def _scaled_world(
-    sight: Sight,
-    camera: CameraMotion,
-    along: Along,
-    regions: tuple[Labels, list[Thing], float],
-) -> World:
-    labels, found, clear = regions
+@dataclass(frozen=True, eq=False)
+class _Stage:
+    """The static world that things move in.
+
+    Attributes:
+        camera: The camera's motion.
+        along: What the flow says of depth, were all still.
+        floor: The ground, if one is seen.
+        clear: Standard deviations of parallax that make a depth.
+    """
+
+    camera: CameraMotion
+    along: Along
+    floor: Ground | None
+    clear: float
+
+
+@dataclass(frozen=True, eq=False)
+class _SeenThing:
+    """A thing, where it is seen, its inverse depth at scale 1, and what tells of its scale."""
+
+    thing: Thing
+    inside: Mask
+    own: Array
+    clues: Clues
+
+
+def _scaled_world(sight: Sight, stage: _Stage, labels: Labels, found: list[Thing]) -> World:
+    camera, along = stage.camera, stage.along
     noise = sight.noise * camera.noise_factor
-    static = sight.trusted & (labels == 0)
-    static &= (along.parallax > clear * noise) & (along.inverse_depth > 0)
+    static = _static(sight, labels, along, stage.clear * noise)
     inverse = np.where(labels == 0, along.inverse_depth, np.nan)
     spread = np.where(static, along.spread * noise, np.inf)
     around = surroundings(np.where(static, inverse, 0.0), static, sight.flow, sight.trusted)
-    floor = ground(sight.key, along.inverse_depth, static)
     typical = float(np.log(np.median(inverse[static]))) if static.any() else 0.0
     count = int(labels.max()) + 1
     rotation = np.broadcast_to(camera.pose.rotation, (count, 3, 3)).copy()
     translation = np.broadcast_to(camera.pose.translation, (count, 3)).copy()
     told = [Region(0, Kind.STATIC, Evidence.CAMERA, 1.0, 0.0, int((labels == 0).sum()))] * count
-    for thing in found:
-        own = _own_inverse_depth(labels, thing, sight.trusted)
-        inside = np.isin(labels, thing.labels) & sight.trusted
-        counts = np.array([(labels == each).sum() for each in thing.labels], np.float64)
-        middles = np.array([sight.key[labels == each].mean(axis=0) for each in thing.labels])
-        scale = relative_scale(
-            Clues(
-                thing.kind,
-                border(inside, own, around),
-                middle_motion(thing, counts, middles, camera.pose),
-                wobble(thing, sight, labels, camera.pose),
-                camera.pose.rotation.T @ camera.pose.translation,
-                floor,
-                typical,
-            )
-        )
-        for label, motion in zip(thing.labels, thing.motions, strict=True):
+    seen = [_clues(sight, stage, labels, thing, (around, typical)) for thing in found]
+    order = np.argsort([relative_scale(each.clues).spread for each in seen], kind="stable")
+    movers = np.full(labels.shape, np.nan)
+    for each in [seen[k] for k in order]:
+        scale = relative_scale(replace(each.clues, beside=_beside(each, movers)))
+        if scale.evidence in _TELLS:
+            movers[each.inside] = scale.value * each.own[each.inside]
+        for label, motion in zip(each.thing.labels, each.thing.motions, strict=True):
             at = (labels == label) & sight.trusted
             nearer = scaled(motion, scale.value)
             inverse[at] = nearer.inverse_depth
@@ -123,6 +146,55 @@ def _scaled_world(
     return World(
         sight, camera, labels, tuple(told), inverse, spread, rotation[labels], translation[labels]
     )
+
+
+def _beside(seen: _SeenThing, movers: Array) -> float | None:
+    """Return ln s at which a rigid thing is as near as the larger moving things that it touches."""
+    if seen.thing.kind is not Kind.RIGID or np.isfinite(movers).sum() < seen.inside.sum() * _BODY:
+        return None
+    ratio = nearness_beside(seen.inside, seen.own, movers)
+    return None if ratio is None else float(np.log(ratio))
+
+
+def _static(sight: Sight, labels: Labels, along: Along, least: Array) -> Mask:
+    """Return where the static world has a depth.
+
+    Args:
+        sight: What is seen.
+        labels: 0 is the static world.
+        along: What the flow says of depth, were all still.
+        least: Pixels of parallax that make a depth.
+    """
+    known = (along.parallax > least) & (along.inverse_depth > 0)
+    return np.asarray(known & sight.trusted & (labels == 0))
+
+
+def _clues(
+    sight: Sight, stage: _Stage, labels: Labels, thing: Thing, still: tuple[Surroundings, float]
+) -> _SeenThing:
+    """Return what is seen of one thing; `still` is the static world, and its typical depth."""
+    pose = stage.camera.pose
+    own = _own_inverse_depth(labels, thing, sight.trusted)
+    inside = np.isin(labels, thing.labels) & sight.trusted
+    counts = np.array([(labels == each).sum() for each in thing.labels], np.float64)
+    middles = np.array([sight.key[labels == each].mean(axis=0) for each in thing.labels])
+    size = float(np.sqrt(inside.sum() / sight.focal.prod()))
+    points = sight.key[inside] / own[inside][:, None]
+    rest = None
+    if thing.kind is Kind.RIGID and stage.floor is not None:
+        rest = ball_at_rest(points, size, stage.floor)
+    clues = Clues(
+        kind=thing.kind,
+        border=border(inside, own, still[0]),
+        motion=middle_motion(thing, counts, middles, pose),
+        wobble=wobble(thing, sight, labels, pose),
+        way=pose.rotation.T @ pose.translation,
+        floor=stage.floor,
+        typical=still[1],
+        size=size,
+        rest=rest,
+    )
+    return _SeenThing(thing, inside, own, clues)
 
 
 def _region(label: int, kind: Kind, scale: Scale, pixels: int) -> Region:

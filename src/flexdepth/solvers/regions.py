@@ -32,6 +32,9 @@ _BEHIND = 0.5
 _CLEAR = 2.0
 """Standard deviations of negative parallax that put a pixel behind the camera."""
 
+_GOES_ON = 0.5
+"""The share of the border of two moving pieces across which flow goes on, if they are one."""
+
 _MOST = 24
 """Moving regions are at most so many: the largest."""
 
@@ -113,7 +116,7 @@ def _grown(surprise: Array, pairs: Neighbours) -> Mask:
 def _objects(labels: Labels, moves: Mask, pairs: Neighbours, pixels: Array) -> Labels:
     """Return moving pieces put together where the flow goes on from one to the other."""
     together = moves[pairs.first] & moves[pairs.second]
-    together &= pairs.joined >= np.maximum(2, 0.1 * pairs.length)
+    together &= pairs.joined >= np.maximum(2, _GOES_ON * pairs.length)
     parent = np.arange(len(moves))
     for one, other in zip(pairs.first[together], pairs.second[together], strict=True):
         low, high = sorted((_root(parent, one), _root(parent, other)))

@@ -10,12 +10,13 @@ from flexdepth.solvers.answer import Kind
 from flexdepth.solvers.pieces import Labels
 from flexdepth.solvers.pose import Pose, angle
 from flexdepth.solvers.region_motion import (
-    Pixels,
     RegionMotion,
     explained,
     flexible_motion,
     region_motion,
 )
+from flexdepth.solvers.rigid_parts import split
+from flexdepth.solvers.sight import Sight
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -26,32 +27,6 @@ _PART = 0.5
 
 _UNSEEN = 0.12
 """How far the middle of a thing is from where it is taken to be, in widths."""
-
-
-@dataclass(frozen=True, eq=False)
-class Sight:
-    """What the solver's parts look at; maps of the key frame's size.
-
-    Attributes:
-        key: Rays x 3, z = 1.
-        target: Rays to where the flow leads.
-        flow: x 2, pixels, 0 where unknown.
-        noise: Pixels; 1 where the flow is not to be trusted.
-        trusted: Where it is.
-        focal: Across and down, pixels.
-    """
-
-    key: Array
-    target: Array
-    flow: Array
-    noise: Array
-    trusted: Mask
-    focal: Array
-
-    def pixels(self, inside: Mask) -> Pixels:
-        """Return the trusted pixels of a region."""
-        at = inside & self.trusted
-        return Pixels(self.key[at], self.target[at], self.noise[at], self.focal)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,14 +48,18 @@ class Thing:
         return Kind.RIGID if single else Kind.FLEXIBLE
 
 
-def things(labels: Labels, sight: Sight, camera: Pose, floor: float) -> tuple[Labels, list[Thing]]:
-    """Return regions, some of them put together, and the things that they make up.
+def things(
+    labels: Labels, cut: Labels, sight: Sight, camera: Pose, floor: float
+) -> tuple[Labels, list[Thing]]:
+    """Return regions, some of them parted or put together, and the things that they make up.
 
-    Regions that one rigid motion explains become one, wherever they are: something may stand
-    between them. Bending regions that touch have one scale.
+    Rigid parts of what bends become regions of their own. Regions that one rigid motion explains
+    become one, wherever they are: something may stand between them. Bending regions that touch
+    have one scale.
 
     Args:
         labels: Of the moving regions, 0 is still.
+        cut: Pieces of the frame.
         sight: What is seen.
         camera: Its motion.
         floor: Pixels that what is still is off its epipolar lines.
@@ -91,6 +70,7 @@ def things(labels: Labels, sight: Sight, camera: Pose, floor: float) -> tuple[La
         if (sight.trusted & (labels == label)).sum() >= 12
     }
     labels = np.where(np.isin(labels, list(motions)), labels, 0).astype(np.int32)
+    labels, motions = split(labels, motions, cut, sight, (camera, floor))
     labels, motions = _renumbered(*_same_motion(labels, motions, sight, (camera, floor)))
     groups = _touching(labels, motions)
     found = []
@@ -127,7 +107,7 @@ def _same_motion(
         if label not in motions or motions[label].kind is not Kind.RIGID:
             continue
         joined = False
-        for other in [each for each in motions if each > label]:
+        for other in [each for each in motions if _may_join(motions, each, label)]:
             if explained(sight.pixels(labels == other), motions[label].pose, floor):
                 labels[labels == other] = label
                 del motions[other]
@@ -135,6 +115,11 @@ def _same_motion(
         if joined:
             motions[label] = region_motion(sight.pixels(labels == label), camera, floor)
     return labels, motions
+
+
+def _may_join(motions: dict[int, RegionMotion], other: int, label: int) -> bool:
+    """Return whether a region may join a rigid one: smaller ones, and what no motion explained."""
+    return other > label or (other != label and motions[other].kind is Kind.FLEXIBLE)
 
 
 def _renumbered(

@@ -10,7 +10,7 @@ from flexdepth.solvers.ego_motion import camera_motion
 from flexdepth.solvers.fusion import common_factor, fused
 from flexdepth.solvers.region_motion import region_motion
 from flexdepth.solvers.seen import Seen, ThirdFrame
-from flexdepth.solvers.things import Sight
+from flexdepth.solvers.sight import Sight
 from flexdepth.solvers.two_view import Along
 from flexdepth.solvers.world import World, along_of, sight_of
 
@@ -36,7 +36,7 @@ def with_third(world: World, seen: Seen, third: ThirdFrame) -> World:
     camera = camera_motion(from_flow(third.flow, still, third.noise, seen.camera))
     if not camera.translates:
         return world
-    sight = sight_of(other)
+    sight = replace(sight_of(other), down=world.sight.down)
     along = along_of(sight, camera)
     noise = sight.noise * camera.noise_factor
     labels = _labels(world, sight, np.abs(along.across) < _OFF * noise)

@@ -10,7 +10,7 @@ from flexdepth.solvers.correspondences import pixel_centres, rays
 from flexdepth.solvers.ego_motion import CameraMotion
 from flexdepth.solvers.pieces import Labels
 from flexdepth.solvers.seen import Seen
-from flexdepth.solvers.things import Sight
+from flexdepth.solvers.sight import Sight
 from flexdepth.solvers.two_view import Along, seen_along
 
 Array = NDArray[np.float64]

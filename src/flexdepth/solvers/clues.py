@@ -1,0 +1,76 @@
+"""What is seen of a thing that moves by itself, and what is known of such things beforehand."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdepth.solvers.answer import Kind
+from flexdepth.solvers.borders import Border
+from flexdepth.solvers.ground import Ground
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Clues:
+    """What is seen of one thing.
+
+    Attributes:
+        kind: Rigid or flexible.
+        border: Its border with the static world.
+        motion: a: of its middle, at scale 1.
+        wobble: How far a is uncertain, because the middle of what turns is not seen.
+        way: b: the camera's.
+        floor: The ground, if there is one.
+        typical: ln s that puts it among what is still: a first guess, no clue.
+        size: The square root of the area that it shows, at scale 1.
+        rest: ln s at which it lies on the ground as a ball does; None for what is no ball.
+        beside: ln s at which it is as near as the moving thing that it touches; None if alone.
+    """
+
+    kind: Kind
+    border: Border
+    motion: Array
+    wobble: float
+    way: Array
+    floor: Ground | None
+    typical: float
+    size: float
+    rest: float | None
+    beside: float | None = None
+
+
+@dataclass(frozen=True)
+class Habits:
+    """What is known beforehand of rigid, or of bending things.
+
+    Attributes:
+        joint: Probability of standing, of hanging on to what is still, and of being in the air;
+            each with that of staying, of moving level, and of moving anyhow.
+        part: Probability, against these, of being a part of what moves and is touched.
+        contact: Standard deviation of ln s at a contact.
+        stay: Scale of how far from its place a thing strays that stays, in ways of the camera.
+        level: Standard deviation of the rise of what moves level, likewise, and per its own way.
+    """
+
+    joint: tuple[tuple[float, float, float], ...]
+    part: float
+    contact: float
+    stay: float
+    level: tuple[float, float]
+
+
+HABITS = {
+    Kind.RIGID: Habits(
+        ((0.05, 0.59, 0.003), (0.0, 0.0, 0.0), (0.03, 0.16, 0.16)), 0.5, 0.05, 0.02, (0.006, 0.004)
+    ),
+    Kind.FLEXIBLE: Habits(
+        ((0.25, 0.13, 0.17), (0.1, 0.0, 0.05), (0.1, 0.05, 0.13)), 1.0, 0.07, 0.08, (0.05, 0.05)
+    ),
+}
+
+
+def normal(values: Array, deviation: Array | float) -> Array:
+    """Return the normal density about 0."""
+    return np.asarray(np.exp(-0.5 * (values / deviation) ** 2) / (np.sqrt(2 * np.pi) * deviation))

@@ -1,0 +1,141 @@
+"""How likely each scale of a thing is by its place: on the ground, hanging on, or in the air.
+
+References:
+    Ranftl, Vineet, Chen and Koltun, CVPR 2016 (ordering, and contact by smoothness).
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdepth.solvers.borders import Border
+from flexdepth.solvers.clues import Clues, Habits, normal
+
+Array = NDArray[np.float64]
+
+_REACH, _STEP = 3.6, 0.02
+"""How far ln s is looked for beyond the first guesses, and how finely."""
+
+FEWEST = 3
+"""Border pixels that make a contact or a bound."""
+
+_FOOT = 0.08
+"""The lowest part of a thing's height that is its foot."""
+
+_SLOPE = 2e-3
+"""Relative change of inverse depth per pixel: ground below a thing comes nearer downwards."""
+
+_NEAREST = 0.9
+"""The quantile of the ratios under a foot that is its contact: the nearest part touches."""
+
+_BOUND = 0.6
+"""The quantile of the ratios along the border that ordering goes by: some are wrong."""
+
+_SURE = 0.3
+"""The share of a foot's lower border that ground is seen below at least."""
+
+_VAGUE = 0.15
+"""Where the foot is not seen, what is below a thing falls short of a contact, in ln s."""
+
+_OVER, _LOOSE = 0.5, 0.6
+"""What is in the air is nearer than what it hides by about this, in ln s, and its deviation."""
+
+_WRONG = 0.2
+"""The share of orderings that are: something before the thing was taken for what it hides."""
+
+_SIZE = (0.6, 0.7)
+"""The square root of the area that a thing shows, in heights of the camera over the ground: its
+median, and the deviation of its logarithm."""
+
+_LIES = 0.25
+"""A ball lies on the ground if it does so at a scale so near to that of contact, in ln s."""
+
+_JOINT = 0.1
+"""The deviation of ln s between parts of a body that touch."""
+
+_ABOVE = 0.2
+"""And nearer than most of what is still, likewise."""
+
+_LYING = 0.03
+"""The deviation of ln s of a ball that lies on the ground."""
+
+
+def places(clues: Clues, habits: Habits) -> tuple[Array, list[Array]]:
+    """Return the grid of ln s, and on it the density of each place."""
+    border = clues.border
+    bound, attached = _bound(border), _attached(border)
+    guesses = (clues.typical, clues.typical if bound is None else bound)
+    grid = np.arange(min(guesses) - _REACH, max(guesses) + _REACH, _STEP)
+    nowhere = np.zeros_like(grid)
+    contact = _contact(border, habits.contact)
+    if contact is not None and clues.rest is not None and abs(clues.rest - contact[0]) < _LIES:
+        contact = clues.rest, _LYING
+    standing = [
+        nowhere if contact is None else _touching(grid - contact[0], contact[1]),
+        nowhere if attached is None else normal(grid - attached, habits.contact),
+    ]
+    if bound is None:
+        return grid, [*standing, normal(grid - clues.typical - _OVER, 1.0)]
+    if contact is not None:
+        bound = max(bound, contact[0])
+    over = grid - bound
+    before = _WRONG + (1 - _WRONG) / (1 + np.exp(-np.clip(over / 0.05, -50, 50)))
+    likely = max(_OVER, clues.typical + _ABOVE - bound)
+    return grid, [*standing, before * normal(over - likely, _LOOSE)]
+
+
+def _bound(border: Border) -> float | None:
+    """Return the least ln s that puts the thing before what it hides; None if that is nothing."""
+    before = border.ratio[border.hidden >= 0]
+    if len(before) < FEWEST:
+        return None
+    ratio = float(np.quantile(before, _BOUND))
+    return float(np.log(ratio)) if ratio > 0 else None
+
+
+def _contact(border: Border, deviation: float) -> tuple[float, float] | None:
+    """Return ln s, and its deviation, where the thing stands on what is seen below it.
+
+    Where its foot is not seen, but ground below it is, it stands a little nearer than that.
+    """
+    if len(border) < FEWEST:
+        return None
+    foot = border.row.max() - max(2.0, _FOOT * float(np.ptp(border.row)))
+    lowest = border.down & (border.row >= foot)
+    ground = border.down & (border.slope > _SLOPE) & (border.ratio > 0)
+    under = lowest & ground
+    if under.sum() >= max(FEWEST, _SURE * float(lowest.sum())):
+        return float(np.log(np.quantile(border.ratio[under], _NEAREST))), deviation
+    half = ground & (border.row >= (float(border.row.max()) + float(border.row.min())) / 2)
+    if lowest.sum() < FEWEST and half.sum() >= 2 * FEWEST:
+        return float(np.log(np.quantile(border.ratio[half], 0.85))) + deviation, _VAGUE
+    return None
+
+
+def _touching(off: Array, deviation: float) -> Array:
+    """Return the density of ln s at a contact: one in seven of them errs by three times as much."""
+    return 0.85 * normal(off, deviation) + 0.15 * normal(off, 3 * deviation)
+
+
+def _attached(border: Border) -> float | None:
+    """Return ln s where the flow goes on from what is still into the thing; None where nowhere."""
+    joined = (border.jump < 0.3) & (border.ratio > 0)
+    return float(np.log(np.median(border.ratio[joined]))) if joined.sum() >= FEWEST else None
+
+
+def as_large(clues: Clues, grid: Array) -> Array:
+    """Return the density of the size that a thing has at each scale; 1 where no ground is seen."""
+    if clues.floor is None:
+        return np.ones_like(grid)
+    heights = clues.size * float(np.linalg.norm(clues.floor.plane))
+    return normal(np.log(heights / _SIZE[0]) - grid, _SIZE[1])
+
+
+def as_a_part(clues: Clues, grid: Array) -> Array:
+    """Return the density of a part of a body, as a limb is: it is as near as what it touches.
+
+    Parts are of any size, as likely as a thing would on the average be of its own.
+    """
+    if clues.beside is None:
+        return np.zeros_like(grid)
+    size = 1.0 if clues.floor is None else 1 / (2 * np.sqrt(np.pi) * _SIZE[1])
+    return size * normal(grid - clues.beside, _JOINT)

@@ -1,0 +1,96 @@
+"""The scale of a thing that moves by itself, from what is seen of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexdepth.solvers.answer import Evidence, Kind
+from flexdepth.solvers.borders import Border, nearness_beside
+from flexdepth.solvers.clues import Clues
+from flexdepth.solvers.ground import Ground
+from flexdepth.solvers.relative_scale import least_error, relative_scale
+
+FLOOR = Ground(np.array([0.0, 1.0, 0.0]), 1.0)
+"""The camera is one way of its own above it."""
+
+
+def border(ratio, *, foot):
+    """Return a border 40 pixels high with 20 pixels at the foot, and 20 above it at each side."""
+    row = np.concatenate([np.full(20, 80), np.linspace(40, 79, 40).astype(int)])
+    down = np.arange(60) < 20
+    slope = np.where(down & foot, 0.01, 0.0)
+    nothing = np.zeros(60)
+    ratios = np.where(down, ratio, 0.3)
+    return Border(row, np.arange(60), down, ratios, slope, nothing + 5.0, nothing)
+
+
+def clues(*, foot=True, **other):
+    """Return those of a rigid thing that moves level at s = 1, half the camera's height in size."""
+    seen = Clues(
+        kind=Kind.RIGID,
+        border=border(1.0, foot=foot),
+        motion=np.array([0.9, 0.2, 0.2]),
+        wobble=0.0,
+        way=np.array([0.3, 0.2, 0.0]),
+        floor=FLOOR,
+        typical=-1.0,
+        size=0.5,
+        rest=None,
+    )
+    return replace(seen, **other)
+
+
+def test_what_stands_and_moves_level_has_the_scale_of_its_contact():
+    found = relative_scale(clues())
+    assert found.evidence is Evidence.CONTACT
+    assert found.value == pytest.approx(1.0, abs=0.03)
+    assert found.confidence > 0.8
+
+
+def test_a_ball_lies_where_it_touches_the_ground_not_where_ground_is_seen_below_it():
+    found = relative_scale(clues(rest=float(np.log(1.06)), border=border(1.0, foot=True)))
+    assert found.value == pytest.approx(1.06, abs=0.03)
+
+
+def test_a_ball_far_from_its_contact_does_not_lie():
+    assert relative_scale(clues(rest=1.0)).value == pytest.approx(relative_scale(clues()).value)
+
+
+def test_in_the_air_what_would_be_as_large_as_a_house_is_nearer_than_that():
+    # Its motion has no scale at which it is level.
+    away = {"foot": False, "way": np.array([0.3, 0.0, 0.2])}
+    large, small = (relative_scale(clues(size=size, **away)) for size in (5.0, 0.5))
+    assert large.value > 1.5 * small.value
+    assert max(large.confidence, small.confidence) < 0.3
+
+
+def test_in_doubt_a_thing_is_put_where_the_error_is_the_smaller():
+    # s is 1 or 2. To say 2 is wrong by a half of the depth, to say 1 by all of it.
+    grid, even = np.log([1.0, 2.0]), np.array([0.5, 0.5])
+    assert least_error(grid, even) == grid[1]
+    # At odds of 4 to 1 both weigh .8 and .4.
+    assert least_error(grid, np.array([0.8, 0.2])) == grid[0]
+
+
+def test_a_limb_is_as_near_as_the_body_that_it_touches():
+    # Without a foot, and small enough to be a thing of its own much nearer than that.
+    limb = clues(foot=False, size=0.1, way=np.array([0.3, 0.0, 0.2]))
+    assert relative_scale(replace(limb, beside=-0.5)).value == pytest.approx(np.exp(-0.5), rel=0.05)
+
+
+def test_what_stands_elsewhere_is_no_part_of_what_it_touches():
+    assert relative_scale(clues(beside=-1.5)).value == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_region_is_as_near_as_its_neighbour_where_their_borders_say_so():
+    inside, other = np.zeros((6, 20), bool), np.full((6, 20), np.nan)
+    inside[:, :10], other[:, 10:] = True, 3.0
+    assert nearness_beside(inside, np.full((6, 20), 2.0), other) == pytest.approx(1.5)
+    other[:, 10:13] = np.nan
+    assert nearness_beside(inside, np.full((6, 20), 2.0), other) is None
+
+
+def test_a_camera_that_stays_tells_no_scale():
+    found = relative_scale(clues(way=np.zeros(3)))
+    assert (found.evidence, found.confidence, found.spread) == (Evidence.UNKNOWN, 0.0, np.inf)
