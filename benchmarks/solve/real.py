@@ -98,7 +98,7 @@ def shrunk(said: dict[str, Any], share: float) -> dict[str, Any]:
 def solved(key: Image, target: Image, camera: Intrinsics, *, dense: bool) -> TwoFrame:
     """Return what flexdepth says of a pair, by geometry alone."""
     field = Dis().between(key, target)
-    seen = Seen(field.flow, field.noise, camera, key)
+    seen = Seen(field.flow, field.noise, camera, key, target=target)
     return two_frame(seen, TwoFrameSettings(dense=Dense() if dense else None))
 
 

@@ -38,11 +38,13 @@ class Case:
     truth: Pair
     flow: Flow
     noise: Flow
+    estimated: bool = False
 
     @property
     def seen(self) -> Seen:
-        """What a solver is told, without a prior."""
-        return Seen(self.flow, self.noise, self.truth.camera, self.truth.key)
+        """What a solver is told, without a prior: the target frame where flow comes from it."""
+        target = self.truth.target if self.estimated else None
+        return Seen(self.flow, self.noise, self.truth.camera, self.truth.key, target=target)
 
     @property
     def pose(self) -> Pose:
@@ -52,7 +54,7 @@ class Case:
 
 def case(truth: Pair, seed: int, noise: float | None) -> Case:
     """Return a pair with flow: true, noisy, or (None) estimated by DIS."""
-    return Case(truth, *flow_of(truth, seed, noise))
+    return Case(truth, *flow_of(truth, seed, noise), estimated=noise is None)
 
 
 Row = Callable[[Case], Array]

@@ -138,6 +138,7 @@ def solve(settings: PairSettings, say: Callable[[str], None] = lambda _step: Non
         None if prior is None else as_prior(prior),
         more.third,
         more.stereo,
+        None if isinstance(method, FlowFile) else pictures["target"],
     )
     say("solving")
     found = solved(settings.objective, seen, pictures["key"], pictures["target"])

@@ -6,7 +6,7 @@ The cost of an iteration is linear in the pixels.
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdepth.solvers.compiled import compiled
+from flexdepth.compiled import compiled
 from flexdepth.solvers.curvature import NOTHING, Linear, times
 
 Array = NDArray[np.float64]

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdepth.solvers.compiled import compiled
+from flexdepth.compiled import compiled
 from flexdepth.solvers.field import (
     CLIP,
     Field,

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdepth.solvers.compiled import compiled
+from flexdepth.compiled import compiled
 from flexdepth.solvers.conjugate import solved
 from flexdepth.solvers.curvature import linear
 from flexdepth.solvers.field import Field, Scales, Terms, energy

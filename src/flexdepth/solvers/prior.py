@@ -22,8 +22,15 @@ _BESIDE = 1.0
 """By how many of its spreads the prior errs in the size of a thing beside the rest."""
 
 
+_INDEPENDENT = 10.0
+"""As many deviations of the prior from what geometry sees `common_factor` takes to be its own."""
+
+
 def with_prior(world: World, seen: Seen, prior: Prior) -> World:
     """Return the world with the prior's part in it.
+
+    How far the prior's shapes err is measured where geometry sees them, if that is more than it
+    says: it is to help where geometry does not see, and not to spoil what it does.
 
     Where the camera has stayed, all depth is the prior's, in its own unit.
     """
@@ -37,6 +44,7 @@ def with_prior(world: World, seen: Seen, prior: Prior) -> World:
         said, own, (world.labels == 0) / np.maximum(world.shape_spread, 0.02) ** 2
     )
     unit = 1.0 if found is None else found[0]
+    strays = 0.0 if found is None else found[1] * np.sqrt(_INDEPENDENT)
     inverse, spread = np.full(said.shape, np.nan), np.full(said.shape, np.inf)
     share, translation = np.zeros(said.shape), world.translation.copy()
     regions: list[Region] = []
@@ -45,7 +53,9 @@ def with_prior(world: World, seen: Seen, prior: Prior) -> World:
         scale, told = _weighed(region, (own, said * unit), np.where(inside, 1 / doubt**2, 0.0))
         shape = common_factor(said, own * scale, inside / np.maximum(world.shape_spread, 0.02) ** 2)
         factor = unit if shape is None else shape[0]
-        depths = fused((own * scale, world.shape_spread), (said * factor, doubt))
+        depths = fused(
+            (own * scale, world.shape_spread), (said * factor, np.maximum(doubt, strays))
+        )
         for out, values in zip((inverse, spread, share), depths, strict=True):
             out[inside] = values[inside]
         translation[inside] /= scale

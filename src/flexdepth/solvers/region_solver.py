@@ -16,13 +16,15 @@ from flexdepth.solvers.epipolar import Epipolar
 from flexdepth.solvers.ground import Ground, ground
 from flexdepth.solvers.least_squares import cost, refined, squares
 from flexdepth.solvers.ordering import Still, with_sunk
+from flexdepth.solvers.pictures import told_by_pictures
 from flexdepth.solvers.pieces import Labels, pieces
+from flexdepth.solvers.pose import Pose
 from flexdepth.solvers.regions import filled, moving_regions
 from flexdepth.solvers.relative_scale import Scale, relative_scale
 from flexdepth.solvers.seen import Seen
 from flexdepth.solvers.sight import Sight
 from flexdepth.solvers.things import Thing, middle_motion, scaled, things, wobble
-from flexdepth.solvers.two_view import Along
+from flexdepth.solvers.two_view import Along, seen_along
 from flexdepth.solvers.world import World, along_of, sight_of
 
 Array = NDArray[np.float64]
@@ -36,6 +38,15 @@ _TELLS = (Evidence.CONTACT, Evidence.MOTION)
 
 _PULLS = 3.0
 """Standard deviations at which a pixel stops pulling at the camera's motion."""
+
+_CLEAR = 2.0
+"""Standard deviations of negative parallax that put a match behind the camera."""
+
+_FAR = 1e12
+"""The squared residual of what no motion explains."""
+
+_WAYS = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [3, 0, 2], [3, 0, -2], [0, 3, 2], [0, 3, -2]])
+"""Ways that the camera may have gone, to begin with."""
 
 
 def solved_regions(seen: Seen, clear: float) -> World:
@@ -60,6 +71,10 @@ def solved_regions(seen: Seen, clear: float) -> World:
         camera = _refined(camera, from_flow(seen.flow, still, seen.noise, seen.camera))
         along = along_of(sight, camera)
         moving = moving_regions(cut, sight.flow, along, sight.noise, trusted)
+    if seen.image is not None and seen.target is not None:
+        labels = told_by_pictures(moving.labels, sight, camera, (seen.image, seen.target))
+        sight = replace(sight, trusted=trusted & ((labels > 0) | (moving.labels == 0)))
+        trusted, moving = sight.trusted, replace(moving, labels=labels)
     all_moving = filled(with_sunk(Still(cut, moving.labels, along), sight), trusted)
     least = clear * sight.noise * camera.noise_factor
     floor = ground(sight.key, along.inverse_depth, _static(sight, all_moving, along, least))
@@ -71,14 +86,23 @@ def solved_regions(seen: Seen, clear: float) -> World:
 def _likelier(camera: CameraMotion, every: Correspondences) -> CameraMotion:
     """Return the motion, before a plane, that explains more of what lies outside of the plane.
 
-    What is near stands out of a plane; without it nothing says which of two motions it was.
+    What is near stands out of a plane; without it hardly anything says which way the camera went,
+    so that all ways are tried. What a motion puts behind the camera it does not explain.
     """
-    if camera.kind is not MotionKind.PLANE or camera.alternative is None:
+    if camera.kind is not MotionKind.PLANE:
         return camera
     epipolar = Epipolar(*every.rays(), every.focal, every.noise * camera.noise_factor)
-    found = [refined(epipolar, pose, _PULLS) for pose in (camera.pose, camera.alternative)]
-    best = min(found, key=lambda pose: cost(squares(epipolar, pose), _PULLS))
-    return replace(camera, pose=forward(best, epipolar))
+    begun = [camera.pose, *([] if camera.alternative is None else [camera.alternative])]
+    begun += [Pose(camera.pose.rotation, way / np.linalg.norm(way)) for way in _WAYS]
+    found = [forward(refined(epipolar, pose, _PULLS), epipolar) for pose in begun]
+    return replace(camera, pose=min(found, key=lambda pose: _unexplained(pose, epipolar)))
+
+
+def _unexplained(pose: Pose, epipolar: Epipolar) -> float:
+    """Return the cost of a motion: a match behind the camera costs as much as any can."""
+    along = seen_along(epipolar.key, epipolar.target, pose, epipolar.focal)
+    behind = along.parallax < -_CLEAR * epipolar.noise
+    return cost(np.where(behind, _FAR, squares(epipolar, pose)), _PULLS)
 
 
 def _refined(camera: CameraMotion, still: Correspondences) -> CameraMotion:

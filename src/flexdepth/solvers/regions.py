@@ -23,9 +23,6 @@ _LEAST = 0.012
 _STRONG, _WEAK = 6.0, 3.0
 """Standard deviations at which a piece moves, and at which it does beside one that moves."""
 
-_SHARED = 0.2
-"""The part of flow's noise that all pixels of a piece have in common."""
-
 _BEHIND = 0.5
 """The share of a piece's pixels behind the camera that makes it move."""
 
@@ -73,8 +70,7 @@ def moving_regions(
     strays = max(_LEAST, weighted_median(middle, pixels) / 0.6745)
     behind = along.parallax < -_CLEAR * noise
     share = np.bincount(labels[trusted], behind[trusted], minlength=count) / np.maximum(pixels, 1)
-    doubt = _SHARED * medians(labels[trusted], noise[trusted], count)
-    surprise = np.where(share > _BEHIND, 2 * _STRONG, middle / np.hypot(strays, doubt))
+    surprise = np.where(share > _BEHIND, 2 * _STRONG, middle / strays)
     surprise[pixels < 3] = 0.0
     pairs = neighbours(labels, flow, max(0.7, 3 * float(np.median(noise[trusted]))))
     moves = _grown(surprise, pairs)

@@ -68,6 +68,8 @@ class Seen:
         prior: Depth from the key frame alone.
         third: A third frame.
         stereo: The right picture of the key frame.
+        target: The target frame, of the same kind as `image`, if flow was estimated from the two:
+            then nothing moves by itself but what standing still explains worse in the pictures.
     """
 
     flow: Flow
@@ -77,11 +79,12 @@ class Seen:
     prior: Prior | None = None
     third: ThirdFrame | None = None
     stereo: Stereo | None = None
+    target: NDArray[np.uint8] | None = None
 
     def __post_init__(self) -> None:
         """Refuse maps of different size and noise that is none."""
         shape = self.noise.shape
-        maps = {"flow": self.flow, "image": self.image}
+        maps = {"flow": self.flow, "image": self.image, "target": self.target}
         if self.prior is not None:
             maps |= {"prior.depth": self.prior.depth, "prior.spread": self.prior.spread}
         if self.third is not None:
