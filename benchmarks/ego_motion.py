@@ -90,7 +90,7 @@ def degrees_off(found: Pose, truth: NDArray[np.float64]) -> tuple[float, float]:
 def camera_of(path: Path) -> Intrinsics:
     """Return the left camera: the first row of the calibration, 3 x 4."""
     numbers = parsed(path.read_text().splitlines()[0].split(), 12, f"{path}: wanted P0")
-    return opencv_camera(numbers[0], numbers[2], numbers[6])
+    return opencv_camera((numbers[0], numbers[5]), (numbers[2], numbers[6]))
 
 
 def measured(folder: Path, pairs: int, find: Find) -> dict[str, float]:
