@@ -14,12 +14,13 @@ import flexdepth
 from flexdepth.flow.matches import Akaze
 from flexdepth.runtime.depthmap import DepthMap
 from flexdepth.runtime.lens import FocalLength
+from flexdepth.scenes.prior import as_prior
 from flexdepth.solvers.correspondences import from_flow, pixel_centres, rays
 from flexdepth.solvers.dissertation import TABLE_5_1, Form
 from flexdepth.solvers.ego_motion import camera_motion
 from flexdepth.solvers.first_order import Clues, FirstOrder, first_order
 from flexdepth.solvers.pose import Pose
-from flexdepth.solvers.seen import Prior, Seen
+from flexdepth.solvers.seen import Seen
 from flexdepth.solvers.two_frame import Dense, TwoFrameSettings, two_frame
 
 Array = NDArray[np.float64]
@@ -27,8 +28,6 @@ Flow = NDArray[np.float32]
 
 _NEAREST_PIXELS = 0.3
 """Of RANSAC's threshold, or three times the noise where that is more."""
-
-_PRIOR_SPREAD = 0.15
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,8 +149,7 @@ def prior_alone(given: Case) -> Array:
 
 def with_prior(given: Case) -> Array:
     """Return flexdepth's depth with the bundled model's as a soft term."""
-    depth = prior_alone(given)
-    prior = Prior(depth, np.full(depth.shape, _PRIOR_SPREAD))
+    prior = as_prior(_alone(given))
     return two_frame(replace(given.seen, prior=prior), TwoFrameSettings(dense=Dense())).depth
 
 

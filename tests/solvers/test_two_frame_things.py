@@ -178,10 +178,22 @@ def test_where_the_camera_has_stayed_all_depth_is_the_priors():
     assert found.regions[1].evidence is Evidence.PRIOR
 
 
-def test_sky_is_what_the_prior_says_it_is():
+def test_sky_is_what_the_prior_says_it_is_where_geometry_does_not_know():
+    seen = view(TURN, STEP)
+    prior = bumpy(seen)
+    prior.depth[:20] = np.inf
+    told = seen.seen(prior=prior)
+    told.flow[:20] = np.nan
+    found = two_frame(told, REGIONS)
+    assert (found.unknown[:20] == Unknown.SKY).all()
+    assert np.isposinf(found.depth[:20]).all()
+
+
+def test_what_is_seen_to_be_near_is_no_sky_whatever_the_prior_says():
     seen = view(TURN, STEP)
     prior = bumpy(seen)
     prior.depth[:20] = np.inf
     found = two_frame(seen.seen(prior=prior), REGIONS)
-    assert (found.unknown[:20] == Unknown.SKY).all()
-    assert np.isposinf(found.depth[:20]).all()
+    clear = ~seen.hidden[:20]
+    assert np.isfinite(found.depth[:20][clear]).mean() > 0.98
+    assert abs_rel(found.depth[:20], seen.depth[:20], clear) < 0.02
