@@ -2,6 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
+import flexdepth
 from flexdepth.cli.main import main
 from flexdepth.data.catalogue import DATASETS
 from flexdepth.data.folder import Folder
@@ -9,7 +10,7 @@ from flexdepth.data.folder import Folder
 
 @pytest.fixture
 def scene(tmp_path, monkeypatch):
-    """Twelve frames of 7-Scenes whose depth is ten times too large, in the current folder."""
+    """Three frames of 7-Scenes, ten times as deep as the model sees them, in the current folder."""
     monkeypatch.chdir(tmp_path)
     folder = tmp_path / "redkitchen" / "seq-01"
     folder.mkdir(parents=True)
@@ -18,8 +19,10 @@ def scene(tmp_path, monkeypatch):
         stem = folder / f"frame-{number:06d}"
         image = cv2.resize(rng.integers(0, 255, (6, 8, 3)).astype(np.uint8), (640, 480))
         cv2.imwrite(f"{stem}.color.png", image)
-        row = np.linspace(5000, 60000, 480).astype(np.uint16)
-        cv2.imwrite(f"{stem}.depth.png", np.repeat(row[:, None] + number, 640, axis=1))
+        seen = flexdepth.predict(image[..., ::-1].copy(), flexdepth.FocalLength(585.0)).values
+        codes = np.clip(10 * 1000 * seen, 5000, 65000).astype(np.uint16)
+        codes[0, 0] = 5000 + number
+        cv2.imwrite(f"{stem}.depth.png", codes)
     (tmp_path / "redkitchen" / "TrainSplit.txt").write_text("sequence1\n")
     return tmp_path
 

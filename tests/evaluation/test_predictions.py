@@ -75,8 +75,9 @@ def test_a_model_predicts_metres_by_the_camera_of_the_set(model, pair):
     room = pair("room", np.ones((32, 32)))
     found = model.of(room, 0, WHOLE)
     assert found.space is Space.METRIC
-    # The network says 1 + 128/255 for a focal length of half a diagonal; the set's is 1/√2.
-    np.testing.assert_allclose(found.values, (1 + 128 / 255) * 2**0.5, rtol=1e-5)
+    # The network says 1 + 128/255 for half the diagonal of a 4:3 image of the same area.
+    # The set's focal length is the side of the square: √12 / 5 of it.
+    np.testing.assert_allclose(found.values, (1 + 128 / 255) * 2 * 12**0.5 / 5, rtol=1e-5)
 
 
 def test_what_has_been_predicted_is_not_predicted_again(model, pair):
@@ -108,7 +109,7 @@ def test_the_parts_of_an_image_that_networks_see_are_kept_apart(model, pair):
 def test_the_focal_length_is_kept_when_a_part_is_cut_out(model, pair):
     road = pair("road", np.ones((375, 1242)))
     found = [model.of(road, 0, view).values[0, 0] for view in (WHOLE, KittiCrop())]
-    assert found[0] == pytest.approx(found[1] * np.hypot(352, 1216) / np.hypot(375, 1242), rel=1e-5)
+    assert found[0] == pytest.approx(found[1] * (352 * 1216 / (375 * 1242)) ** 0.5, rel=1e-5)
 
 
 def test_predictions_that_lie_a_folder_deeper_are_pointed_at(model, pair):
