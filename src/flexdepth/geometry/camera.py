@@ -5,18 +5,13 @@ top left corner, so a principal point in the middle of a 640-pixel row is 320.
 """
 
 from dataclasses import dataclass
-from math import hypot, sqrt
+from math import hypot
 
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
-from flexdepth.runtime.depthmap import Intrinsics
-
-
-def diagonal_by_area(width: int, height: int) -> float:
-    """Return the diagonal of a 4:3 image of the same area as one of `width` by `height`."""
-    return 5 * sqrt(width * height / 12)
+from flexdepth.runtime.depthmap import Intrinsics, diagonal_by_area
 
 
 @dataclass(frozen=True, eq=False)

@@ -85,7 +85,12 @@ class Intrinsics:
 
     def focal_by_area(self, width: int, height: int) -> float:
         """Return the focal length divided by the diagonal of a 4:3 image of the same area."""
-        return sqrt(self.focal_x * self.focal_y / (width * height)) * sqrt(12) / 5
+        return sqrt(self.focal_x * self.focal_y) / diagonal_by_area(width, height)
+
+
+def diagonal_by_area(width: int, height: int) -> float:
+    """Return the diagonal of a 4:3 image of the same area as one of `width` by `height`."""
+    return 5 * sqrt(width * height / 12)
 
 
 @dataclass(frozen=True, eq=False)

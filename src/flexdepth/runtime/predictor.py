@@ -144,7 +144,7 @@ class Predictor:
         about = self.model.description
         unit = camera.focal_by_area(width, height) / about.canonical_focal
         values = with_sharp_edges(own.log_depth, photo.pixels)
-        values = values + np.float32(log(unit))
+        values += np.float32(log(unit))
         np.exp(values, out=values)
         sky = own.sky > _SKY
         values[sky] = np.inf
