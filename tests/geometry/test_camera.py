@@ -34,13 +34,6 @@ def test_a_cropped_camera_sees_each_thing_in_its_old_direction(focal, centre, pi
     assert_close(ray(camera.cropped(left, top), moved), ray(camera, pixel), atol=1e-9, rtol=0)
 
 
-@given(focals, points, points)
-def test_a_mirrored_camera_sees_the_mirrored_world(focal, centre, pixel):
-    camera = camera_of(focal, centre)
-    seen = ray(camera.flipped(640), (640 - pixel[0], pixel[1]))
-    assert_close(seen, ray(camera, pixel) * seen.new_tensor([-1, 1]), atol=1e-9, rtol=0)
-
-
 def test_a_focal_length_of_480_on_a_diagonal_of_800_is_six_tenths():
     cameras = Camera(torch.tensor([[480.0, 480.0], [240.0, 960.0]]), torch.zeros(2, 2))
     assert_close(cameras.focal_in_diagonals(640, 480), torch.tensor([0.6, 0.6]))

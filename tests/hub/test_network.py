@@ -176,6 +176,9 @@ def test_weights_that_no_output_depends_on_may_be_missing(saved, tmp_path, pictu
     [
         ({"model_type": "prompt_depth_anything"}, "whose numbers flexdepth does not know"),
         ({"model_type": "no such thing"}, "no such thing"),
+        ({"head_in_index": "last"}, "head_in_index"),
+        ({"depths": {"first": 2}}, "depths"),
+        ({"decoder_hidden_size": [64]}, "decoder_hidden_size"),
     ],
 )
 def test_a_model_of_another_kind_is_refused(changes, said, saved, tmp_path):

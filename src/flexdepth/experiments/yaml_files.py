@@ -9,7 +9,6 @@ import yaml
 
 from flexdepth.experiments.experiment import CODEC, Experiment
 from flexdepth.experiments.held_out import with_own_held_out
-from flexdepth.runtime.atomic import replacing
 from flexdepth.runtime.errors import InputError, reason
 
 LIKE = "like"
@@ -54,12 +53,6 @@ def experiment_text(experiment: Experiment) -> str:
     plain = json.loads(json.dumps(CODEC.plain(experiment)))  # YAML knows no named constants
     text: str = yaml.safe_dump(plain, sort_keys=False, allow_unicode=True)
     return text
-
-
-def write_experiment(path: Path, experiment: Experiment) -> None:
-    """Write every field of an experiment."""
-    with replacing(path) as temporary:
-        temporary.write_text(experiment_text(experiment), encoding="utf-8")
 
 
 def _mapping(path: Path) -> dict[str, Any]:

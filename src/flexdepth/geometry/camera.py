@@ -46,11 +46,6 @@ class Camera:
         """
         return Camera(self.focal, self.centre - self.centre.new_tensor([left, top]))
 
-    def flipped(self, width: int) -> "Camera":
-        """Return the camera of the image, `width` pixels wide, mirrored left to right."""
-        across, down = self.centre.unbind(-1)
-        return Camera(self.focal, torch.stack([width - across, down], -1))
-
     def unproject(
         self, pixels: Float[Tensor, "*batch points 2"]
     ) -> Float[Tensor, "*batch points 3"]:

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import torch
+from huggingface_hub.errors import StrictDataclassError
 from numpy.typing import NDArray
 from safetensors import SafetensorError
 from transformers import AutoConfig, AutoImageProcessor, AutoModelForDepthEstimation
@@ -32,7 +33,10 @@ from flexdepth.runtime.session import Provider
 
 _DEVICES = {Provider.CPU: "cpu", Provider.CUDA: "cuda"}
 
-_FAILURES = (OSError, ValueError, KeyError, RuntimeError, ImportError, SafetensorError)
+_FAILURES = (
+    *(OSError, ValueError, KeyError, TypeError, RuntimeError, ImportError),
+    *(SafetensorError, StrictDataclassError),
+)
 """What transformers raises where a model is not there, is broken, or needs more packages."""
 
 _NEVER_USED = "fusion_stage.layers.0.residual_layer1."
