@@ -67,6 +67,31 @@ def test_an_interrupted_run_ends_with_the_same_bits(pairs, network, tmp_path):
             assert torch.equal(value, wanted[name]), (part, name)
 
 
+def test_only_the_named_parts_learn(pairs):
+    network = nn.ModuleDict({"body": nn.BatchNorm2d(3), "head": nn.Conv2d(3, 1, 1)})
+    network.forward = lambda image: Prediction(
+        network["head"](network["body"](image))[:, 0].exp(), None
+    )
+    settings = replace(SETTINGS, learns=("head",))
+    before = copy.deepcopy(network.state_dict())
+    after = trained(pairs, Run.started(network, settings), settings).network.state_dict()
+    changed = {name for name, value in after.items() if not torch.equal(value, before[name])}
+    assert changed == {"head.weight", "head.bias"}
+
+
+def test_a_part_that_the_network_lacks_cannot_learn(network):
+    with pytest.raises(InputError, match=r"loop\.learns: the network has no 'tail', but "):
+        Run.started(network, replace(SETTINGS, learns=("tail",)))
+
+
+def test_parts_that_no_term_depends_on_cannot_learn(pairs):
+    network = TwoConvolutions()
+    network.unused = nn.Conv2d(3, 1, 1)
+    settings = replace(SETTINGS, learns=("unused",))
+    with pytest.raises(InputError, match="none of the terms silog depends on unused"):
+        trained(pairs, Run.started(network, settings), settings)
+
+
 class TwoConvolutions(nn.Module):
     """Without a normalisation, which would see a part of a batch alone."""
 

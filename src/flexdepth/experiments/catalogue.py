@@ -6,6 +6,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
 
+from flexdepth.data import Folder
 from flexdepth.experiments.chapter3 import (
     CHAPTER3_SHORT,
     CHAPTER3_SMALL,
@@ -17,7 +18,7 @@ from flexdepth.experiments.experiment import Experiment, Trained
 from flexdepth.experiments.pca import PCA_NYU, PCA_RENDERS
 from flexdepth.experiments.run import BEST
 from flexdepth.experiments.yaml_files import read_experiment
-from flexdepth.losses import GradientMatching
+from flexdepth.losses import GradientMatching, SpreadQuantiles
 from flexdepth.runtime.errors import InputError
 from flexdepth.training.batches import BatchSettings
 from flexdepth.training.loop import LoopSettings
@@ -41,10 +42,19 @@ _COMPACT_LARGE = replace(
     ),
 )
 
+_COMPACT_SPREAD = replace(
+    _COMPACT,
+    data=Folder(Path("renders/calibration")),
+    start=Trained(Path("runs/compact-large") / BEST),
+    terms={"spread": Term(SpreadQuantiles(), 1.0)},
+    loop=replace(_COMPACT_LARGE.loop, iterations=400, save_every=100, learns=("spread",)),
+)
+
 CATALOGUE: Mapping[str, Experiment] = MappingProxyType(
     {
         "compact": _COMPACT,
         "compact-large": _COMPACT_LARGE,
+        "compact-spread": _COMPACT_SPREAD,
         "nyu-large": NYU_LARGE,
         "nyu-small": NYU_SMALL,
         "kitti": KITTI,
@@ -55,7 +65,8 @@ CATALOGUE: Mapping[str, Experiment] = MappingProxyType(
     }
 )
 """`compact` learns from small images; `compact-large` goes on at the size of predictions, with more
-weight on edges. The others are the trainings of chapter 3."""
+weight on edges; `compact-spread` teaches it, on scenes that it has not learnt from, how far off its
+depth may be, and changes nothing else. The others are the trainings of chapter 3."""
 
 
 def experiment_named(name: str) -> Experiment:

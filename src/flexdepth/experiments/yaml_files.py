@@ -45,7 +45,8 @@ def read_experiment(path: Path, named: Mapping[str, Experiment]) -> Experiment:
     terms = changed["terms"]
     if isinstance(terms, dict):
         changed["terms"] = {name: term for name, term in terms.items() if term is not None}
-    return with_own_held_out(first, CODEC.restored(Experiment, changed, str(path)))
+    experiment = CODEC.restored(Experiment, changed, str(path))
+    return experiment if "held_out" in values else with_own_held_out(first, experiment)
 
 
 def experiment_text(experiment: Experiment) -> str:

@@ -1,11 +1,12 @@
 """What a network says of its own answer: how far off depth may be, and which lens it saw."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import log
 
 from jaxtyping import Float
 from torch import Tensor, nn
-from torch.nn.functional import interpolate
+from torch.nn.functional import avg_pool2d, interpolate
 
 from flexdepth.networks.blocks import start_as_xavier
 
@@ -14,8 +15,9 @@ from flexdepth.networks.blocks import start_as_xavier
 class Spread:
     """The relative standard deviation of depth, by a second look at the features that gave it.
 
-    The look does not teach: no gradient of it reaches the features, so that a network with and one
-    without it give the same depth.
+    How far off a pixel may be hangs on what stands in the picture more than on the pixel: the look
+    is at the coarse features, at an eighth of the image's size. It does not teach: no gradient
+    of it reaches the features, so that a network with and one without it give the same depth.
 
     Attributes:
         width: Channels between the features and the spread.
@@ -24,34 +26,54 @@ class Spread:
         most: No spread above this is given.
     """
 
-    width: int = 16
+    width: int = 64
     typical: float = 0.1
     least: float = 0.003
     most: float = 3.0
 
-    def build(self, inputs: int) -> "SpreadHead":
-        """Return the head on features of `inputs` channels."""
-        return SpreadHead(self, inputs)
+    def build(self, widths: tuple[int, int, int, int]) -> "SpreadHead":
+        """Return the head on features of so many channels at strides 32, 16, 8 and 4."""
+        return SpreadHead(self, widths)
 
 
 class SpreadHead(nn.Module):
-    """The module of `Spread`: from features at half the image's size."""
+    """The module of `Spread`: from features at strides 32, 16, 8 and 4."""
 
-    def __init__(self, settings: Spread, inputs: int) -> None:
+    def __init__(self, settings: Spread, widths: tuple[int, int, int, int]) -> None:
         super().__init__()
         self.settings = settings
-        self.look = nn.Conv2d(inputs, settings.width, 3, padding=1, padding_mode="replicate")
-        self.say = nn.Conv2d(settings.width, 1, 1)
+        width = settings.width
+        self.looks = nn.ModuleList(nn.Conv2d(inputs, width, 1) for inputs in widths)
+        self.blocks = nn.Sequential(nn.ReLU(), _around(width), nn.ReLU(), _around(width), nn.ReLU())
+        self.say = nn.Conv2d(width, 1, 1)
         start_as_xavier(self)
 
     def forward(
-        self, features: Float[Tensor, "batch channels height width"]
-    ) -> Float[Tensor, "batch full_height full_width"]:
-        """Return the spread at twice the size of the features."""
-        said = self.say(self.look(features.detach()).relu())
-        logarithm = interpolate(said, scale_factor=2.0, mode="bilinear", align_corners=False)
+        self, features: Sequence[Float[Tensor, "batch _ _ _"]]
+    ) -> Float[Tensor, "batch height width"]:
+        """Return the spread at the image's size.
+
+        Args:
+            features: At strides 32, 16, 8 and 4.
+        """
+        coarsest, coarse, middle, fine = (each.detach() for each in features)
+        seen = (
+            _grown(self.looks[0](coarsest), 4.0)
+            + _grown(self.looks[1](coarse), 2.0)
+            + self.looks[2](middle)
+            + self.looks[3](avg_pool2d(fine, 2))
+        )
+        logarithm = _grown(self.say(self.blocks(seen)), 8.0)
         least, most = log(self.settings.least), log(self.settings.most)
         return (logarithm.squeeze(1) + log(self.settings.typical)).clamp(least, most).exp()
+
+
+def _around(width: int) -> nn.Conv2d:
+    return nn.Conv2d(width, width, 3, padding=1, padding_mode="replicate")
+
+
+def _grown(maps: Tensor, factor: float) -> Tensor:
+    return interpolate(maps, scale_factor=factor, mode="bilinear", align_corners=False)
 
 
 @dataclass(frozen=True)

@@ -71,7 +71,7 @@ class CompactNetwork(nn.Module):
         for part in (self.top, self.context, self.levels):
             start_as_xavier(part)
         self.head = settings.head.build(settings.widths[-1])
-        self.spread = settings.spread.build(settings.widths[-1])
+        self.spread = settings.spread.build((top, *settings.widths[:3]))
         self.focal = settings.focal.build(top)
 
     def forward(self, image: Float[Tensor, "batch 3 height width"]) -> Prediction:
@@ -84,9 +84,10 @@ class CompactNetwork(nn.Module):
         features = self.top(coarsest)
         focal = self.focal(features)
         features = features + self.context(features.mean((-2, -1), keepdim=True))
-        attention = []
+        decoded, attention = [features], []
         for level, lateral in zip(self.levels, reversed(laterals), strict=True):
             features, looked_at = level(lateral, features)
+            decoded.append(features)
             attention.append(looked_at)
         depth, sky_logit = self.head(features)
         return Prediction(
@@ -94,7 +95,7 @@ class CompactNetwork(nn.Module):
             canonical_focal=self.settings.canonical_focal,
             sky_logit=sky_logit,
             attention=tuple(a for a in attention if a is not None),
-            spread=self.spread(features),
+            spread=self.spread(decoded[:-1]),
             focal=focal,
         )
 

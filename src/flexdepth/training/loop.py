@@ -8,7 +8,7 @@ processes', and terms that are a mean over the pixels or triangles of a batch.
 """
 
 import copy
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -49,6 +49,8 @@ class LoopSettings:
             metres, up to what the pictures cannot tell where their cameras differ.
         accumulate: Parts of a batch that pass the network one after another, to save memory.
         precision: What the network computes in; weights, losses and gradients are float32.
+        learns: The parts of the network that learn, by name; all where none is named. The others
+            stay as they are, the statistics of their normalisation too.
     """
 
     iterations: int = 4000
@@ -59,6 +61,7 @@ class LoopSettings:
     alignment: Alignment = Alignment.LEAST_SQUARES_DISPARITY
     accumulate: int = 1
     precision: Literal["float32", "bfloat16"] = "float32"
+    learns: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse a run of nothing."""
@@ -91,8 +94,16 @@ class Run:
 
     @classmethod
     def started(cls, network: nn.Module, settings: LoopSettings, place: Place = ALONE) -> "Run":
-        """Return a run at iteration 0."""
+        """Return a run at iteration 0.
+
+        Raises:
+            InputError: The network has no part of a name that is to learn.
+        """
         network = network.to(place.device)
+        if settings.learns:
+            network.requires_grad_(False)
+        for part in named_parts(network, settings.learns):
+            part.requires_grad_(True)
         average, optimiser = copy.deepcopy(network), settings.optimiser.build(network)
         return cls(network, average, optimiser, 0, place)
 
@@ -170,8 +181,14 @@ def train(
 def learn(
     network: nn.Module, settings: LoopSettings, terms: Mapping[str, Term], batch: Sample
 ) -> dict[str, Tensor]:
-    """Give the network the gradients of the objective, and return its terms and their sum."""
-    network.train()
+    """Give the network the gradients of the objective, and return its terms and their sum.
+
+    Raises:
+        InputError: No term depends on the parts that learn.
+    """
+    network.train(not settings.learns)
+    for awake in named_parts(network, settings.learns):
+        awake.train()
     network.zero_grad(set_to_none=True)
     sums = {name: batch.key.image.new_zeros(()) for name in ("total", *terms)}
     reduced = settings.precision == "bfloat16"
@@ -180,10 +197,28 @@ def learn(
         with torch.autocast(image.device.type, torch.bfloat16, enabled=reduced):
             prediction = network(image)
         total, parts = objective(terms, mapped(prediction, Tensor.float), part)
+        if not total.requires_grad:
+            raise InputError(
+                f"loop.learns: none of the terms {', '.join(terms)} depends on "
+                f"{', '.join(settings.learns)}"
+            )
         (total / settings.accumulate).backward()  # type: ignore[no-untyped-call]
         for name, value in {"total": total.detach(), **parts}.items():
             sums[name] += value / settings.accumulate
     return sums
+
+
+def named_parts(network: nn.Module, names: Iterable[str]) -> Iterator[nn.Module]:
+    """Give the parts of a network of these names.
+
+    Raises:
+        InputError: It has no such part.
+    """
+    parts = dict(network.named_children())
+    for name in names:
+        if name not in parts:
+            raise InputError(f"loop.learns: the network has no {name!r}, but {', '.join(parts)}")
+        yield parts[name]
 
 
 def gradients(network: nn.Module) -> Iterator[Tensor]:
