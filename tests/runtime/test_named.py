@@ -224,8 +224,9 @@ def test_a_card_s_licence_is_told_where_it_forbids_commercial_use(make_network):
 @pytest.mark.parametrize(
     ("wishes", "said"),
     [
-        (Wishes(look=mirrored_too), "--flip, --look and --tiles"),
-        (Wishes(tiles=2), "--flip, --look and --tiles"),
+        (Wishes(look=mirrored_too), "--flip, --look, --details and --tiles"),
+        (Wishes(details=2), "--flip, --look, --details and --tiles"),
+        (Wishes(tiles=2), "--flip, --look, --details and --tiles"),
         (Wishes(long_side=64), "--long-side: .*net.yaml says that the network has one size, 8 x 6"),
     ],
 )

@@ -8,7 +8,7 @@ from flexdepth.runtime.images import Photo
 from flexdepth.runtime.model import load_model
 from flexdepth.runtime.predictor import Predictor
 from flexdepth.runtime.sizes import resized
-from flexdepth.runtime.tiles import Seen, joined, strips, tiling
+from flexdepth.runtime.tiles import Seen, closer, joined, strips, tiling
 
 WIDTH, HEIGHT = 240, 180
 GRID = (4, 3)
@@ -157,6 +157,33 @@ def test_a_coarse_whole_lies_on_its_tiles_without_a_shift():
     np.testing.assert_allclose(found[:, 12:-12], ramp[:, 12:-12], atol=0.02)
 
 
+def seen(log_depth, sky=NO_SKY):
+    """Return what is seen at full size, and at a half."""
+    half = WIDTH // 2, HEIGHT // 2
+    return Seen(log_depth, sky), Seen(resized(log_depth, half), resized(sky, half))
+
+
+def test_the_same_picture_seen_larger_changes_nothing():
+    larger, whole = seen(HILLS)
+    found = closer(whole, larger)
+    np.testing.assert_allclose(found.log_depth, HILLS, atol=0.02)
+    np.testing.assert_array_equal(found.sky, 0)
+
+
+def test_a_factor_and_a_slow_drift_of_the_larger_look_leave_no_trace():
+    larger, whole = seen(HILLS)
+    found = closer(whole, Seen(HILLS + 3 + 0.01 * X, larger.sky)).log_depth
+    np.testing.assert_allclose(found[:, 32:-32], HILLS[:, 32:-32], atol=0.03)
+
+
+def test_what_only_the_larger_look_sees_is_in_the_result():
+    posts = np.where(X % 40 == 20, np.float32(-0.5), np.float32(0))
+    _, whole = seen(HILLS)
+    found = closer(whole, Seen(HILLS + posts + 2, NO_SKY)).log_depth
+    np.testing.assert_allclose((found - HILLS)[posts < 0], -0.5, atol=0.12)
+    np.testing.assert_allclose((found - HILLS)[posts == 0], 0, atol=0.1)
+
+
 @pytest.fixture
 def model(make_bundle):
     return load_model(make_bundle())
@@ -183,6 +210,37 @@ def test_tiles_show_the_stripes_that_the_whole_blurs(model):
     assert tiled < 0.4 * whole
 
 
+def test_a_larger_look_shows_the_stripes_that_one_blurs(model):
+    photo = striped(301, 226)
+    truth = 1 + photo.pixels[..., 0] / 255
+    one, two = (
+        abs(Predictor(model, details=details).predict(photo).depth - truth).mean()
+        for details in (1, 3)
+    )
+    assert one > 0.1
+    assert two < 0.5 * one
+
+
+@pytest.mark.parametrize(
+    ("size", "long_side"), [((110, 80), None), ((400, 300), 160)], ids=["small", "shown large"]
+)
+def test_no_larger_look_where_one_shows_all(size, long_side, model):
+    photo = striped(*size)
+    one, two = (
+        Predictor(model, long_side=long_side, details=details).predict(photo).values
+        for details in (1, 2)
+    )
+    assert (one == two).all()
+
+
+def test_photos_that_share_a_run_have_the_details_that_each_has_alone(model):
+    photos = [striped(301, 226), Photo(striped(301, 226).pixels[:, ::-1].copy(), 0.5, ())]
+    together = Predictor(model).predict_all(photos)
+    for photo, found in zip(photos, together, strict=True):
+        alone = Predictor(model).predict(photo)
+        np.testing.assert_allclose(found.values, alone.values, rtol=1e-4)
+
+
 def test_a_smooth_photo_is_the_same_in_tiles(model):
     levels = (np.sin(np.arange(801) / 130) * 100 + 120)[None] * np.ones((603, 1))
     photo = Photo(np.repeat(levels.astype(np.uint8)[..., None], 3, 2), 0.5, ())
@@ -190,6 +248,7 @@ def test_a_smooth_photo_is_the_same_in_tiles(model):
     np.testing.assert_allclose(found, Predictor(model).predict(photo).depth, rtol=0.01)
 
 
-def test_no_tiles_are_no_way_to_look(model):
-    with pytest.raises(InputError, match="--tiles: wanted a whole number >= 1, got 0"):
-        Predictor(model, tiles=0)
+@pytest.mark.parametrize("name", ["tiles", "details"])
+def test_none_are_no_way_to_look(name, model):
+    with pytest.raises(InputError, match=f"--{name}: wanted a whole number >= 1, got 0"):
+        Predictor(model, **{name: 0})

@@ -56,6 +56,7 @@ class Wishes:
         lens: What the user says of the camera.
         long_side: The longer side of what the network sees, in pixels.
         look: How it looks at a picture.
+        details: How many times as large it sees a picture once more; None is its own way.
         tiles: How many tiles of the longer side it looks at as well.
         provider: What it runs on.
         threads: How many CPU threads onnxruntime uses.
@@ -64,6 +65,7 @@ class Wishes:
     lens: Lens | None = None
     long_side: int | None = None
     look: Look = once
+    details: int | None = None
     tiles: int = 1
     provider: Provider = Provider.CPU
     threads: int | None = None
@@ -103,7 +105,10 @@ def _no_model(path: Path) -> str:
 
 def _own(model: Model, wishes: Wishes) -> Predictor:
     _check_long_side(wishes, model.description.multiple)
-    return Predictor(model, wishes.lens, wishes.long_side, wishes.look, wishes.tiles)
+    predictor = Predictor(
+        model, wishes.lens, wishes.long_side, look=wishes.look, tiles=wishes.tiles
+    )
+    return predictor if wishes.details is None else replace(predictor, details=wishes.details)
 
 
 def _of_onnx(path: Path, wishes: Wishes) -> Estimator:
@@ -141,10 +146,10 @@ def _in_room(prefix: str, name: str, provider: Provider) -> Network:
 
 
 def _refuse_own_ways(name: str, wishes: Wishes) -> None:
-    if wishes.look is not once or wishes.tiles != 1:
+    if (wishes.look, wishes.details, wishes.tiles) != (once, None, 1):
         raise InputError(
-            f"--flip, --look and --tiles are for flexdepth's own models, {name} is none; leave "
-            f"them out"
+            f"--flip, --look, --details and --tiles are for flexdepth's own models, {name} is "
+            f"none; leave them out"
         )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from math import log
+from math import log, prod
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +19,7 @@ from flexdepth.runtime.images import Photo, read_photo
 from flexdepth.runtime.lens import Lens, Said, intrinsics
 from flexdepth.runtime.model import Model
 from flexdepth.runtime.sizes import network_size, resized
-from flexdepth.runtime.tiles import Seen, joined, tiling
+from flexdepth.runtime.tiles import Seen, closer, joined, tiling
 
 _SKY = 0.5
 """The probability above which a pixel is sky."""
@@ -59,6 +59,9 @@ class Predictor:
         long_side: The longer side of what the network sees, in pixels; None keeps the bundle's
             area.
         look: How the network looks at a picture.
+        details: How many times as wide and high the picture is shown once more, for what is fine;
+            1: one look. A picture with no more pixels than the first look has one look too, and so
+            has what `long_side` shows larger than the bundle's area.
         tiles: How many tiles of a picture's longer side are looked at as well, each at the size
             that the whole is given; fewer where they would be smaller than that. 1: the whole
             alone.
@@ -68,12 +71,14 @@ class Predictor:
     lens: Lens | None = None
     long_side: int | None = None
     look: Look = once
+    details: int = 2
     tiles: int = 1
 
     def __post_init__(self) -> None:
-        """Refuse a number of tiles that is none."""
-        if self.tiles < 1:
-            raise InputError(f"--tiles: wanted a whole number >= 1, got {self.tiles}")
+        """Refuse numbers that are none."""
+        for name, value in (("--details", self.details), ("--tiles", self.tiles)):
+            if value < 1:
+                raise InputError(f"{name}: wanted a whole number >= 1, got {value}")
 
     @property
     def about(self) -> About:
@@ -88,6 +93,7 @@ class Predictor:
             "lens": str(self.lens or "the photo's own"),
             "look": self.look.__name__,
             "long_side": str(self.long_side or "by area"),
+            "details": str(self.details),
             "tiles": str(self.tiles),
         }
 
@@ -131,6 +137,16 @@ class Predictor:
         images = np.stack([_shown(pixels, size) for pixels in pictures])
         return self.look(self.model, images).each()
 
+    def _closer(self, pixels: NDArray[np.uint8], whole: Seen) -> Seen:
+        """Return the whole with the details of a larger look, where that can show more."""
+        own_area = prod(self.model.description.area)
+        shown_large = self.long_side is not None and whole.sky.size > own_area
+        if self.details == 1 or shown_large or pixels[..., 0].size <= whole.sky.size:
+            return whole
+        height, width = whole.sky.shape
+        (larger,) = self._seen([pixels], (width * self.details, height * self.details))
+        return closer(whole, _logarithmic(larger))
+
     def _tile_seen(self, pixels: NDArray[np.uint8]) -> Seen:
         (seen,) = self._seen([pixels], self._size_of(pixels))
         return _logarithmic(seen)
@@ -138,7 +154,8 @@ class Predictor:
     def _at_own_size(self, photo: Photo, whole: Answer) -> DepthMap:
         height, width = photo.pixels.shape[:2]
         grid = tiling(width, height, self.tiles, whole.sky.size)
-        own = joined(photo.pixels, _logarithmic(whole), grid, self._tile_seen)
+        seen = self._closer(photo.pixels, _logarithmic(whole))
+        own = joined(photo.pixels, seen, grid, self._tile_seen)
         said = Said(photo.focal_in_diagonals, whole.focal_of_one)
         camera = intrinsics(width, height, self.lens, said)
         about = self.model.description

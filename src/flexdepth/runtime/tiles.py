@@ -1,8 +1,9 @@
-"""A closer look at a large picture: overlapping tiles, joined without seams.
+"""Closer looks at a picture: once more and larger, or in overlapping tiles, joined without seams.
 
-A network that looks at a whole photo sees it small and misses what is fine; shown a tile, it sees
-what is fine but not how far away all of it is. So the large shape is taken from the whole and the
-detail from the tiles: with log depth w in the whole and t in the tile,
+A network that looks at a whole photo sees it small and misses what is fine; shown the photo larger
+than it learnt from, or a tile of it, it sees what is fine but not how far away all of it is. So the
+large shape is taken from the first look at the whole and the detail from the closer one: with log
+depth w in the whole and t in the tile, or in the larger whole,
 
     q = w + λ (t - w - mean(t - w)),   λ = (var t + ε) / (var t + κ var w + ε),
 
@@ -39,6 +40,13 @@ _REACH = 4
 
 In pixels of the map of the whole, which is trusted for what is larger. With measured depth as the
 tiles, bent and shifted, and its blurred copy as the whole, 3 to 4 came nearest to the measured.
+"""
+
+_REACH_OF_DETAILS = 8
+"""The same for the whole shown larger, whose large shape is nearer to the true one.
+
+Of 4, 8 and 12, with twice the size and the weights of 0.3.0: boundary F1 on every 12th frame of
+ICL-NUIM .072, .082, .084 (.021 without), AbsRel on 7-Scenes .1528, .1535, .1541 (.1525).
 """
 
 _BLIND = 0.25
@@ -155,6 +163,20 @@ def joined(
         log_depth[place] += weights * resized(fitted.log_depth, weights.shape[::-1])
         sky[place] += weights * resized(fitted.sky, weights.shape[::-1])
     return Seen(log_depth, sky)
+
+
+def closer(whole: Seen, larger: Seen) -> Seen:
+    """Return the detail of a picture that is shown larger on the shape that the whole has.
+
+    Args:
+        whole: What is seen in the picture.
+        larger: What is seen in the same picture at a larger size.
+    """
+    (coarse_height, coarse_width), (height, width) = whole.sky.shape, larger.sky.shape
+    grown = Seen(*(resized(each, (width, height)) for each in (whole.log_depth, whole.sky)))
+    up = ceil(_REACH_OF_DETAILS * height / coarse_height)
+    across = ceil(_REACH_OF_DETAILS * width / coarse_width)
+    return _fitted(larger, grown, (up, across))
 
 
 def _each(length: int, count: int) -> int:
