@@ -44,9 +44,11 @@ model: .venv/full.stamp  ## re-make the bundled weights from nothing (hours; an 
 	$(BIN)/flexdepth synth --seed 1 --count 160 -o renders/heldout
 	$(BIN)/flexdepth train compact -o runs/compact
 	$(BIN)/flexdepth train compact-large -o runs/compact-large
-	$(BIN)/flexdepth export runs/compact-large/best.safetensors \
+	$(BIN)/flexdepth synth --seed 5 --count 400 -o renders/calibration
+	$(BIN)/flexdepth train compact-spread -o runs/compact-spread
+	$(BIN)/flexdepth export runs/compact-spread/latest.safetensors \
 		-o src/flexdepth/runtime/assets/compact.onnx \
-		--source "flexdepth train compact, compact-large; $(TRAINING_IMAGES) images of seed 0"
+		--source "flexdepth train compact, -large, -spread; $(TRAINING_IMAGES) images of seed 0"
 
 bench-quality: .venv/full.stamp  ## error on real pictures with measured depth (SAMPLES=DIR MODELS="compact hub:...")
 	$(BIN)/python benchmarks/quality.py --samples $(SAMPLES) $(foreach model,$(MODELS),--model $(model))

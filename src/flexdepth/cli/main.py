@@ -44,6 +44,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
             "flexdepth.cli.table", "Train the rows of a table of chapter 3, and write it."
         ),
         "figure": Command("flexdepth.cli.figure", "Draw figures of chapter 3, of any photos."),
+        "average": Command("flexdepth.cli.average", "Make one network of several checkpoints."),
         "export": Command("flexdepth.cli.export", "Make a trained network a model bundle."),
         "evaluate": Command(
             "flexdepth.cli.evaluate", "Score a model or predictions by a named protocol."
