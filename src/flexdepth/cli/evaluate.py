@@ -106,9 +106,9 @@ class Evaluate(Generic[Data]):
     """Score no truth beyond this, instead of the protocol's end."""
     averaging: Annotated[Averaging | None, _Shown] = None
     """How images become one number, instead of the protocol's way; `pixels` pools them."""
-    look: Literal["once", "flip", "flip-mean", "flip-ramp"] = "once"
+    look: Annotated[Literal["once", "flip", "flip-mean", "flip-ramp"] | None, _Shown] = None
     """How a model looks: once, or in a mirror too, and the geometric mean, the mean, or
-    monodepth's ramps of both."""
+    monodepth's ramps of both. Without it, as in `flexdepth predict`: flip."""
     long_side: Annotated[int | None, tyro.conf.arg(metavar="PIXELS", help_behavior_hint="")] = None
     """Longer side of what a model sees."""
     output_dir: Annotated[
@@ -194,7 +194,9 @@ def _predictions(settings: Evaluate[Any], folder: Path, images: int) -> Predicti
         return prediction_folder(path, settings.files.stated(), in_order)
     if settings.files != Files():
         raise InputError("--space, --scale and --match are for a folder of predictions")
-    wishes = Wishes(None, settings.long_side, LOOKS[settings.look])
+    wishes = Wishes(
+        None, settings.long_side, None if settings.look is None else LOOKS[settings.look]
+    )
     estimator = named_estimator(settings.model, wishes)
     return ModelPredictions(estimator, folder / "predictions", settings.overwrite)
 

@@ -20,7 +20,7 @@ from flexdepth.runtime.lens import FieldOfView, FocalLength, Lens
 from flexdepth.runtime.licences import remark
 from flexdepth.runtime.named import BUNDLED, Wishes, named_estimator
 from flexdepth.runtime.outputs import DEPTH, MESH, NORMALS, POINTS, PREVIEW, Output
-from flexdepth.runtime.predictor import mirrored_too, once
+from flexdepth.runtime.predictor import once
 from flexdepth.runtime.run import results, without_clashes
 from flexdepth.runtime.session import Provider
 
@@ -76,8 +76,8 @@ class Predict:
     """For the detail of large photos: look at N overlapping tiles along the longer side too, and
     at as many along the other as make them nearly square. The large shape stays that of the whole.
     4 means 13 looks at a photo instead of one. Small photos have fewer tiles, or none."""
-    flip: _Flag = False
-    """Look at each picture in a mirror too, and take the mean: twice as slow, and steadier."""
+    flip: Annotated[bool, tyro.conf.arg(help_behavior_hint="")] = True
+    """Look at each picture in a mirror too, and take the mean: steadier, and a little slower."""
     model: Annotated[str, tyro.conf.arg(metavar="MODEL", help_behavior_hint="")] = BUNDLED[0]
     """Another model than the one that comes with flexdepth: an .onnx bundle, any .onnx network with
     a .yaml card beside it, or hub:NAME (docs/models.md)."""
@@ -148,7 +148,7 @@ def _wishes(settings: Predict) -> Wishes:
     return Wishes(
         _lens(settings),
         settings.long_side,
-        mirrored_too if settings.flip else once,
+        None if settings.flip else once,
         settings.details,
         settings.tiles,
         settings.provider,

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 from flexdepth.runtime.bundle import METADATA_KEY
 from flexdepth.runtime.card import Card, read_card
@@ -25,7 +26,7 @@ from flexdepth.runtime.estimator import Estimator
 from flexdepth.runtime.foreign import ForeignPredictor, Network
 from flexdepth.runtime.lens import Lens
 from flexdepth.runtime.model import Model, load_model, model_in
-from flexdepth.runtime.predictor import Look, Predictor, once
+from flexdepth.runtime.predictor import Look, Predictor
 from flexdepth.runtime.session import Provider, Session, open_session
 
 BUNDLED = ("compact", "bundled")
@@ -55,7 +56,7 @@ class Wishes:
     Attributes:
         lens: What the user says of the camera.
         long_side: The longer side of what the network sees, in pixels.
-        look: How it looks at a picture.
+        look: How it looks at a picture; None is its own way.
         details: How many times as large it sees a picture once more; None is its own way.
         tiles: How many tiles of the longer side it looks at as well.
         provider: What it runs on.
@@ -64,7 +65,7 @@ class Wishes:
 
     lens: Lens | None = None
     long_side: int | None = None
-    look: Look = once
+    look: Look | None = None
     details: int | None = None
     tiles: int = 1
     provider: Provider = Provider.CPU
@@ -105,10 +106,9 @@ def _no_model(path: Path) -> str:
 
 def _own(model: Model, wishes: Wishes) -> Predictor:
     _check_long_side(wishes, model.description.multiple)
-    predictor = Predictor(
-        model, wishes.lens, wishes.long_side, look=wishes.look, tiles=wishes.tiles
-    )
-    return predictor if wishes.details is None else replace(predictor, details=wishes.details)
+    asked = {"look": wishes.look, "details": wishes.details}
+    given: dict[str, Any] = {name: value for name, value in asked.items() if value is not None}
+    return Predictor(model, wishes.lens, wishes.long_side, tiles=wishes.tiles, **given)
 
 
 def _of_onnx(path: Path, wishes: Wishes) -> Estimator:
@@ -146,7 +146,7 @@ def _in_room(prefix: str, name: str, provider: Provider) -> Network:
 
 
 def _refuse_own_ways(name: str, wishes: Wishes) -> None:
-    if (wishes.look, wishes.details, wishes.tiles) != (once, None, 1):
+    if (wishes.look, wishes.details, wishes.tiles) != (None, None, 1):
         raise InputError(
             f"--flip, --look, --details and --tiles are for flexdepth's own models, {name} is "
             f"none; leave them out"

@@ -36,7 +36,7 @@ def in_mirror(model: Model, images: NDArray[np.float32]) -> Answer:
 
 
 def mirrored_too(model: Model, images: NDArray[np.float32]) -> Answer:
-    """Return the answer of two looks, one in a mirror; twice as slow, and steadier.
+    """Return the answer of two looks, one in a mirror: steadier than one.
 
     Depths are joined by their geometric mean, everything else by the mean.
     """
@@ -58,7 +58,7 @@ class Predictor:
             a lens.
         long_side: The longer side of what the network sees, in pixels; None keeps the bundle's
             area.
-        look: How the network looks at a picture.
+        look: How the network looks at the whole picture; it looks once at what is larger.
         details: How many times as wide and high the picture is shown once more, for what is fine;
             1: one look. A picture with no more pixels than the first look has one look too, and so
             has what `long_side` shows larger than the bundle's area.
@@ -70,7 +70,7 @@ class Predictor:
     model: Model
     lens: Lens | None = None
     long_side: int | None = None
-    look: Look = once
+    look: Look = mirrored_too
     details: int = 2
     tiles: int = 1
 
@@ -122,7 +122,8 @@ class Predictor:
         found = []
         for size, alike in groupby(photos, self._network_size):
             run = list(alike)
-            seen = self._seen([photo.pixels for photo in run], size)
+            images = np.stack([_shown(photo.pixels, size) for photo in run])
+            seen = self.look(self.model, images).each()
             found += [self._at_own_size(*each) for each in zip(run, seen, strict=True)]
         return found
 
@@ -133,10 +134,6 @@ class Predictor:
         height, width = pixels.shape[:2]
         return network_size(width, height, self.model.description, self.long_side)
 
-    def _seen(self, pictures: Sequence[NDArray[np.uint8]], size: tuple[int, int]) -> list[Answer]:
-        images = np.stack([_shown(pixels, size) for pixels in pictures])
-        return self.look(self.model, images).each()
-
     def _closer(self, pixels: NDArray[np.uint8], whole: Seen) -> Seen:
         """Return the whole with the details of a larger look, where that can show more."""
         own_area = prod(self.model.description.area)
@@ -144,11 +141,14 @@ class Predictor:
         if self.details == 1 or shown_large or pixels[..., 0].size <= whole.sky.size:
             return whole
         height, width = whole.sky.shape
-        (larger,) = self._seen([pixels], (width * self.details, height * self.details))
-        return closer(whole, _logarithmic(larger))
+        size = width * self.details, height * self.details
+        return closer(whole, self._seen_once(pixels, size))
 
     def _tile_seen(self, pixels: NDArray[np.uint8]) -> Seen:
-        (seen,) = self._seen([pixels], self._size_of(pixels))
+        return self._seen_once(pixels, self._size_of(pixels))
+
+    def _seen_once(self, pixels: NDArray[np.uint8], size: tuple[int, int]) -> Seen:
+        (seen,) = once(self.model, _shown(pixels, size)[None]).each()
         return _logarithmic(seen)
 
     def _at_own_size(self, photo: Photo, whole: Answer) -> DepthMap:
