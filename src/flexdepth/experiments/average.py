@@ -36,12 +36,12 @@ def averaged(
     if batches < 1:
         raise InputError(f"--batches: wanted a whole number >= 1, got {batches}")
     network = trained_network(checkpoints[0])
-    parts = []
-    for path in checkpoints:
-        parts.append(load(path).part("average"))
-        restore(network, parts[-1], str(path))
-    restore(network, mean_of(parts, shares), str(output))
+    found = [load(path) for path in checkpoints]
+    weights = [each.part("average") for each in found]
+    for path, own in zip(checkpoints, weights, strict=True):
+        restore(network, own, str(path))
+    restore(network, mean_of(weights, shares), str(output))
     seen = Batches(pairs, CATALOGUE["compact-large"].loop.batches, batches)
     estimate_statistics(network, (batch.key.image for batch in loader(seen, 0, 0)))
     named = {f"average.{name}": value for name, value in network.state_dict().items()}
-    save(output, Checkpoint(0, load(checkpoints[0]).settings, named, source()))
+    save(output, Checkpoint(0, found[0].settings, named, source()))
