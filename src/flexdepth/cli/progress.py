@@ -1,15 +1,17 @@
 """How far a job is, and how long it will take, for a person who waits at a terminal."""
 
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from typing import TYPE_CHECKING
 
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.inputs import Input
 from flexdepth.runtime.job import Result
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
 
 Watch = Callable[[Path, int], None]
 
@@ -27,18 +29,11 @@ def with_progress(
         work: Gives one result for each input, in order; it tells the function it is given how
             many frames of which video are done.
     """
-    console = Console(stderr=True)
-    steps = [_pictures(each) for each in inputs] if console.is_terminal else []
+    steps = [_pictures(each) for each in inputs] if sys.stderr.isatty() else []
     if sum(steps) < 2:
         yield from work(lambda _path, _frames: None)
         return
-    columns = (
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=console, transient=True) as bar:
+    with _bar("{task.description}", transient=True) as bar:
         task = bar.add_task(inputs[0].path.name, total=sum(steps))
         before = 0
 
@@ -59,11 +54,32 @@ def counted(word: str, total: int) -> Iterator[Callable[[int], None]]:
         word: What is being done.
         total: How many images there are.
     """
-    console = Console(stderr=True)
-    columns = (TextColumn(word), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
+    with _bar(word, transient=False) as bar:
         task = bar.add_task(word, total=total)
         yield lambda done: bar.update(task, completed=done)
+
+
+def _bar(words: str, transient: bool) -> "Progress":
+    """Return a bar on stderr, with count and time left; none where nobody would see it."""
+    # A single photo has no bar, and does without rich, which takes 0.05 s to load.
+    from rich.console import Console  # noqa: PLC0415
+    from rich.progress import (  # noqa: PLC0415
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    console = Console(stderr=True)
+    columns = (
+        TextColumn(words, markup=False),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
+    seen = console.is_terminal
+    return Progress(*columns, console=console, transient=transient, disable=not seen)
 
 
 def _pictures(each: Input) -> int:

@@ -37,8 +37,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-import yaml
-
 from flexdepth.runtime.depthmap import Space
 from flexdepth.runtime.errors import InputError, reason
 from flexdepth.runtime.fields import (
@@ -169,6 +167,9 @@ def read_card(file: Path) -> Card:
     Raises:
         InputError: The file is missing or no YAML, or a field is absent, unknown or wrong.
     """
+    # Most models have no card: YAML is loaded for those that do.
+    import yaml  # noqa: PLC0415
+
     with open_input(file) as opened:
         text = opened.read(_LONGEST)
     try:
