@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.images import Photo
 from flexdepth.runtime.model import load_model
-from flexdepth.runtime.predictor import Predictor
+from flexdepth.runtime.predictor import Predictor, once
 from flexdepth.runtime.sizes import resized
 from flexdepth.runtime.tiles import Seen, closer, joined, strips, tiling
 
@@ -231,6 +231,16 @@ def test_no_larger_look_where_one_shows_all(size, long_side, model):
         for details in (1, 2)
     )
     assert (one == two).all()
+
+
+def test_the_larger_look_is_not_larger_than_the_photo(model, monkeypatch):
+    seen, run = [], type(model).run
+    monkeypatch.setattr(type(model), "run", lambda self, x: seen.append(x.shape) or run(self, x))
+    Predictor(model, look=once, details=9).predict(striped(301, 226))
+    multiple = model.description.multiple
+    assert seen[0][-1] < 301 - multiple
+    assert abs(seen[1][-1] - 301) <= multiple / 2
+    assert abs(seen[1][-2] - 226) <= multiple / 2
 
 
 def test_photos_that_share_a_run_have_the_details_that_each_has_alone(model):

@@ -70,8 +70,8 @@ class Predict:
     long_side: Annotated[int | None, tyro.conf.arg(metavar="PIXELS", help_behavior_hint="")] = None
     """Longer side of what the network sees; larger is slower and sees more detail."""
     details: Annotated[int | None, tyro.conf.arg(metavar="N", help_behavior_hint="(2)")] = None
-    """Show the network each picture once more, N times as wide and high, and take what is fine from
-    there: sharper edges. 1 leaves that out, which is faster: good for videos."""
+    """Show the network each picture once more, N times as wide and high but not larger than it is,
+    and take what is fine from there: sharper edges. 1 leaves that out: faster, good for videos."""
     tiles: Annotated[int, tyro.conf.arg(metavar="N")] = 1
     """For the detail of large photos: look at N overlapping tiles along the longer side too, and
     at as many along the other as make them nearly square. The large shape stays that of the whole.

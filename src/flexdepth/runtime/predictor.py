@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from math import log, prod
+from math import log, prod, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -59,9 +59,9 @@ class Predictor:
         long_side: The longer side of what the network sees, in pixels; None keeps the bundle's
             area.
         look: How the network looks at the whole picture; it looks once at what is larger.
-        details: How many times as wide and high the picture is shown once more, for what is fine;
-            1: one look. A picture with no more pixels than the first look has one look too, and so
-            has what `long_side` shows larger than the bundle's area.
+        details: How many times as wide and high the picture is shown once more, for what is fine,
+            but not larger than it is; 1: one look. A picture with no more pixels than the first
+            look has one look too, and so has what `long_side` shows larger than the bundle's area.
         tiles: How many tiles of a picture's longer side are looked at as well, each at the size
             that the whole is given; fewer where they would be smaller than that. 1: the whole
             alone.
@@ -140,9 +140,10 @@ class Predictor:
         shown_large = self.long_side is not None and whole.sky.size > own_area
         if self.details == 1 or shown_large or pixels[..., 0].size <= whole.sky.size:
             return whole
-        height, width = whole.sky.shape
-        size = width * self.details, height * self.details
-        return closer(whole, self._seen_once(pixels, size))
+        multiple = self.model.description.multiple
+        times = min(self.details, sqrt(pixels[..., 0].size / whole.sky.size))
+        height, width = (round(side * times / multiple) * multiple for side in whole.sky.shape)
+        return closer(whole, self._seen_once(pixels, (width, height)))
 
     def _tile_seen(self, pixels: NDArray[np.uint8]) -> Seen:
         return self._seen_once(pixels, self._size_of(pixels))
