@@ -24,6 +24,7 @@ import yaml
 from numpy.typing import NDArray
 from pairs import HERE
 
+from flexdepth.flow.along_lines import AlongLines
 from flexdepth.flow.dis import Dis
 from flexdepth.runtime.depthmap import FocalSource, Intrinsics
 from flexdepth.solvers.seen import Seen
@@ -98,7 +99,8 @@ def shrunk(said: dict[str, Any], share: float) -> dict[str, Any]:
 def solved(key: Image, target: Image, camera: Intrinsics, *, dense: bool) -> TwoFrame:
     """Return what flexdepth says of a pair, by geometry alone."""
     field = Dis().between(key, target)
-    seen = Seen(field.flow, field.noise, camera, key, target=target)
+    search = AlongLines(key, target, camera)
+    seen = Seen(field.flow, field.noise, camera, key, target=target, search=search)
     return two_frame(seen, TwoFrameSettings(dense=Dense() if dense else None))
 
 

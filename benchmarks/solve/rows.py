@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pairs import Pair, flow_of
 
 import flexdepth
+from flexdepth.flow.along_lines import AlongLines
 from flexdepth.flow.matches import Akaze
 from flexdepth.runtime.depthmap import DepthMap
 from flexdepth.runtime.lens import FocalLength
@@ -42,8 +43,12 @@ class Case:
     @property
     def seen(self) -> Seen:
         """What a solver is told, without a prior: the target frame where flow comes from it."""
-        target = self.truth.target if self.estimated else None
-        return Seen(self.flow, self.noise, self.truth.camera, self.truth.key, target=target)
+        truth = self.truth
+        seen = Seen(self.flow, self.noise, truth.camera, truth.key)
+        if not self.estimated:
+            return seen
+        search = AlongLines(truth.key, truth.target, truth.camera)
+        return replace(seen, target=truth.target, search=search)
 
     @property
     def pose(self) -> Pose:

@@ -26,6 +26,16 @@ def test_flow_is_thinned_to_a_grid_of_valid_pixels(camera):
     assert len(from_flow(flow, valid, noise, camera)) == 1200
 
 
+def test_the_noisiest_flow_tells_no_motion(camera):
+    flow = np.zeros((40, 60, 2), np.float32)
+    noise = np.full((40, 60), 0.1, np.float32)
+    noise[30:] = 2
+    noise[28:30] = 1  # Three tenths in all.
+    seen = from_flow(flow, np.ones((40, 60), bool), noise, camera)
+    assert len(seen) == 28 * 60
+    np.testing.assert_allclose(seen.noise, 0.1)
+
+
 def test_what_no_motion_can_be_found_from_is_refused(camera):
     key, noise = np.random.default_rng(0).uniform(0, 480, (20, 2)), np.full(20, 0.1)
     with pytest.raises(InputError, match=r"at least 16 points .* got 15"):

@@ -162,4 +162,4 @@ def test_a_camera_before_a_wall_is_not_given_a_general_motion(samples):
     guess = Intrinsics(1120.0, 1120.0, 512.0, 218.0, FocalSource.ASSUMED)
     motion = camera_motion(from_flow(field.flow, field.valid, field.noise, guess, most=2000))
     assert motion.kind is MotionKind.PLANE
-    assert 0.5 < motion.inliers < 0.8  # The girl, who moves, fills a third.
+    assert 0.5 < motion.inliers < 0.85  # The girl, who moves, fills a third.

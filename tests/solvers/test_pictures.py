@@ -3,7 +3,7 @@ import pytest
 
 from flexdepth.solvers.criterion import MotionKind
 from flexdepth.solvers.ego_motion import CameraMotion
-from flexdepth.solvers.pictures import told_by_pictures
+from flexdepth.solvers.pictures import standing, told_by_pictures
 from flexdepth.solvers.pose import Pose
 from flexdepth.solvers.things import Sight
 
@@ -39,6 +39,6 @@ def test_what_has_texture_moves_and_what_has_none_is_not_known_to(camera):
     labels[5:15, 20:60], labels[27:47, 22:42] = 1, 2
     flow[5:15, 20:60, 1], flow[27:47, 22:42, 1] = 2, 3
     frames = tuple(np.repeat(each[..., None], 3, axis=2) for each in (key, target))
-    told = told_by_pictures(labels, sight_of(flow), camera, frames)
+    told = told_by_pictures(labels, sight_of(flow), standing(sight_of(flow), camera), frames)
     assert (told[5:15, 20:60] == 0).all()
     assert (told[27:47, 22:42] == 2).all()

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdepth.flow.along_lines import AlongLines
 from flexdepth.flow.dis import Dis
 from flexdepth.flow.field import FlowField
 from flexdepth.runtime.depthmap import DepthMap, FocalSource, Intrinsics, Space
@@ -139,6 +140,9 @@ def solve(settings: PairSettings, say: Callable[[str], None] = lambda _step: Non
         more.third,
         more.stereo,
         None if isinstance(method, FlowFile) else pictures["target"],
+        None
+        if isinstance(method, FlowFile)
+        else AlongLines(pictures["key"], pictures["target"], views.camera),
     )
     say("solving")
     found = solved(settings.objective, seen, pictures["key"], pictures["target"])

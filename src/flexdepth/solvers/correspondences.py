@@ -10,6 +10,9 @@ from flexdepth.runtime.errors import InputError
 
 Array = NDArray[np.float64]
 
+_CERTAIN = 0.7
+"""The share of pixels with valid flow that tell how the camera has moved, those of least noise."""
+
 FEWEST = 16
 """Twice what a homography needs: below it no choice between models means anything."""
 
@@ -76,9 +79,11 @@ def from_flow(
     camera: Intrinsics,
     most: int = 5_000,
 ) -> Correspondences:
-    """Return the pixels of a regular grid whose flow is valid, about `most` at most.
+    """Return the more certain of the valid pixels, on a regular grid, about `most` at most.
 
-    The errors of neighbours in dense flow are alike, so that more of them add little.
+    The errors of neighbours in dense flow are alike, so that more of them add little. The noisiest
+    add nothing: there estimated flow is what smoothness has made of it, wrong alike over whole
+    surfaces. Where all noise is the same, no pixel is left out.
 
     Args:
         flow: Height x width x 2, pixels; anything where it is not valid.
@@ -90,9 +95,10 @@ def from_flow(
     Raises:
         InputError: Too few pixels are valid, or a valid one is not finite or without noise.
     """
-    stride = max(1, round(float(np.sqrt(valid.sum() / most))))
+    certain = valid & (noise <= np.quantile(noise[valid], _CERTAIN)) if valid.any() else valid
+    stride = max(1, round(float(np.sqrt(certain.sum() / most))))
     grid = slice(stride // 2, None, stride), slice(stride // 2, None, stride)
-    at = valid[grid]
+    at = certain[grid]
     key = pixel_centres(*valid.shape)[grid][at]
     shift = flow[grid][at].astype(np.float64)
     return Correspondences(key, key + shift, noise[grid][at].astype(np.float64), camera)

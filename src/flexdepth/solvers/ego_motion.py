@@ -86,6 +86,8 @@ def camera_motion(seen: Correspondences) -> CameraMotion:
     """Return how the camera has moved.
 
     Points that move by themselves count as outliers: Geman and McClure's weights leave them out.
+    What they are in the end is judged by the noise as it was said, though most matches be worse:
+    those that are as good as that tell the motion.
     """
     said = Epipolar(*seen.rays(), seen.focal, seen.noise)
     general = _general_motion(said)
@@ -94,6 +96,7 @@ def camera_motion(seen: Correspondences) -> CameraMotion:
     fits = _fits(epipolar, general)
     scores = {kind: gric(fits.square[kind], COMPLEXITY[kind]) for kind in MotionKind}
     kind = min(MotionKind, key=lambda each: scores[each])
+    fits = replace(fits, general=refined(said, fits.general, _SCALE))
     pose, alternative, normal = _chosen(kind, fits, epipolar)
     return CameraMotion(
         kind,

@@ -29,17 +29,17 @@ _LEAST = 0.5
 
 
 def told_by_pictures(
-    labels: Labels, sight: Sight, camera: CameraMotion, frames: tuple[Image, Image]
+    labels: Labels, sight: Sight, still: Array, frames: tuple[Image, Image]
 ) -> Labels:
     """Return the labels of what the pictures, too, say moves by itself; 0 elsewhere.
 
     Args:
         labels: Of the regions that move by themselves as far as flow tells.
         sight: What is seen.
-        camera: Its motion.
+        still: The flow if all stood still, pixels; NaN where it is not known.
         frames: Key and target, RGB.
     """
-    off = [_difference(*frames, flow) for flow in (sight.flow, _standing(sight, camera))]
+    off = [_difference(*frames, flow) for flow in (sight.flow, still)]
     known = sight.trusted & np.isfinite(off[0]) & np.isfinite(off[1])
     if not known.any():
         return labels
@@ -51,7 +51,7 @@ def told_by_pictures(
     return np.asarray(np.where(told[labels], labels, 0), np.int32)
 
 
-def _standing(sight: Sight, camera: CameraMotion) -> Array:
+def standing(sight: Sight, camera: CameraMotion) -> Array:
     """Return the flow of what stands still that is nearest to the flow that is seen."""
     place = sight.key @ camera.pose.rotation.T
     infinity = (place[..., :2] / place[..., 2:] - sight.key[..., :2]) * sight.focal

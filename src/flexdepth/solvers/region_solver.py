@@ -16,13 +16,14 @@ from flexdepth.solvers.epipolar import Epipolar
 from flexdepth.solvers.ground import Ground, ground
 from flexdepth.solvers.least_squares import cost, refined, squares
 from flexdepth.solvers.ordering import Still, with_sunk
-from flexdepth.solvers.pictures import told_by_pictures
+from flexdepth.solvers.pictures import standing, told_by_pictures
 from flexdepth.solvers.pieces import Labels, pieces
 from flexdepth.solvers.pose import Pose
 from flexdepth.solvers.regions import filled, moving_regions
 from flexdepth.solvers.relative_scale import Scale, relative_scale
 from flexdepth.solvers.seen import Seen
 from flexdepth.solvers.sight import Sight
+from flexdepth.solvers.still import looked_again
 from flexdepth.solvers.things import Thing, middle_motion, scaled, things, wobble
 from flexdepth.solvers.two_view import Along, seen_along
 from flexdepth.solvers.world import World, along_of, sight_of
@@ -72,10 +73,13 @@ def solved_regions(seen: Seen, clear: float) -> World:
         along = along_of(sight, camera)
         moving = moving_regions(cut, sight.flow, along, sight.noise, trusted)
     if seen.image is not None and seen.target is not None:
-        labels = told_by_pictures(moving.labels, sight, camera, (seen.image, seen.target))
+        labels = told_by_pictures(
+            moving.labels, sight, standing(sight, camera), (seen.image, seen.target)
+        )
         sight = replace(sight, trusted=trusted & ((labels > 0) | (moving.labels == 0)))
-        trusted, moving = sight.trusted, replace(moving, labels=labels)
-    all_moving = filled(with_sunk(Still(cut, moving.labels, along), sight), trusted)
+        labels, sight = looked_again(seen, sight, labels, camera)
+        moving, along = replace(moving, labels=labels), along_of(sight, camera)
+    all_moving = filled(with_sunk(Still(cut, moving.labels, along), sight), sight.trusted)
     least = clear * sight.noise * camera.noise_factor
     floor = ground(sight.key, along.inverse_depth, _static(sight, all_moving, along, least))
     sight = replace(sight, down=None if floor is None else floor.normal)

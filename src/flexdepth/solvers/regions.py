@@ -74,7 +74,8 @@ def moving_regions(
     surprise[pixels < 3] = 0.0
     pairs = neighbours(labels, flow, max(0.7, 3 * float(np.median(noise[trusted]))))
     moves = _grown(surprise, pairs)
-    return Moving(_objects(labels, moves, pairs, pixels), strays)
+    area = np.bincount(labels.ravel(), minlength=count).astype(np.float64)
+    return Moving(_objects(labels, moves, pairs, area), strays)
 
 
 def medians(groups: NDArray[np.int32], values: Array, count: int) -> Array:

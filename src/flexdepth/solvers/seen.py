@@ -1,6 +1,7 @@
 """What two frames show, as the solver of two frames wants it."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +9,37 @@ from numpy.typing import NDArray
 from flexdepth.runtime.depthmap import Intrinsics
 from flexdepth.runtime.errors import InputError
 
+Array = NDArray[np.float64]
 Flow = NDArray[np.float32]
+
+
+class Found(Protocol):
+    """What a search has found: flow, as in `Seen`, and its noise, NaN where it is none."""
+
+    @property
+    def flow(self) -> Flow:
+        """Pixels."""
+        ...
+
+    @property
+    def noise(self) -> NDArray[np.float32]:
+        """Its standard deviation, pixels; NaN where what is found does not count."""
+        ...
+
+
+class Search(Protocol):
+    """What looks for the still world where one motion of the camera would show it."""
+
+    def __call__(self, rotation: Array, translation: Array, flow: Flow) -> Found:
+        """Return the flow of what stands still, as far as the pictures go.
+
+        Args:
+            rotation: 3 x 3, of `target_from_key`.
+            translation: Its 3 numbers, not 0; their length has no effect.
+            flow: What else is believed, pixels; NaN is nothing. Where that looks more alike,
+                what is found does not count.
+        """
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +101,8 @@ class Seen:
         stereo: The right picture of the key frame.
         target: The target frame, of the same kind as `image`, if flow was estimated from the two:
             then nothing moves by itself but what standing still explains worse in the pictures.
+        search: Looks again for what stands still once the camera's motion is known, if flow was
+            estimated.
     """
 
     flow: Flow
@@ -80,6 +113,7 @@ class Seen:
     third: ThirdFrame | None = None
     stereo: Stereo | None = None
     target: NDArray[np.uint8] | None = None
+    search: Search | None = None
 
     def __post_init__(self) -> None:
         """Refuse maps of different size and noise that is none."""
