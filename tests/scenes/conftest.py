@@ -56,6 +56,7 @@ def found():
         residual=np.full(shape, 0.1),
         spread=np.full(shape, 0.05),
         unknown=unknown,
+        inferred=np.zeros(shape, bool),
         camera_motion=motion,
         prior_share=None,
         metric=False,

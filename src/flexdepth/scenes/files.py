@@ -124,6 +124,7 @@ def _write_maps(path: Path, solution: Solution, origin: Origin) -> None:
         "border": borders(found.labels),
         "unknown": found.unknown,
         "valid": found.valid,
+        "inferred": found.inferred,
         "spread": found.spread,
         "confidence": solution.confidence,
         "parallax": found.parallax,

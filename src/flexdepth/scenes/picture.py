@@ -10,7 +10,7 @@ from flexdepth.scenes.own_motion import own_ways
 from flexdepth.scenes.pair import Solution
 from flexdepth.scenes.panels import Bar, Key, Panel, Pixels, kinds, magnitude, number, sheet, signed
 from flexdepth.scenes.words import camera_translation, summary
-from flexdepth.solvers.two_frame import Kind, TwoFrame
+from flexdepth.solvers.two_frame import Kind, TwoFrame, Unknown
 
 _STATIC: Colour = (120, 156, 214)
 _BORDER: Colour = (0, 0, 0)
@@ -34,8 +34,9 @@ _REASONS: tuple[tuple[str, Colour], ...] = (
     ("scale unknown", (150, 110, 200)),
     ("behind the camera", (70, 160, 120)),
     ("sky", SKY),
+    ("inferred from around", (150, 190, 235)),
 )
-"""By the numbers of `Unknown`."""
+"""By the numbers of `Unknown`, and what is inferred."""
 
 _THREE = ("x", "y", "z")
 
@@ -117,6 +118,10 @@ def solution_picture(solution: Solution) -> Pixels:
     return sheet(heading, _panels(solution), 3)
 
 
+def _reasons(found: TwoFrame) -> NDArray[np.uint8]:
+    return np.where(found.inferred, np.uint8(len(Unknown)), found.unknown)
+
+
 def _panels(solution: Solution) -> list[Panel]:
     found = solution.found
     share = found.prior_share
@@ -126,7 +131,7 @@ def _panels(solution: Solution) -> list[Panel]:
         _flow(solution),
         _depth("Depth", solution.depth),
         magnitude("Depth: relative standard deviation", found.spread, most=0.5),
-        kinds("Why a pixel has no depth", found.unknown, _REASONS),
+        kinds("Why a pixel has no depth", _reasons(found), _REASONS),
         _regions(solution),
         magnitude("How sure the scale of each part is (0 to 1)", solution.confidence, most=1.0),
         Panel(_SHARE, None) if share is None else magnitude(_SHARE, share, most=1.0),

@@ -31,6 +31,7 @@ ARRAYS = {
         "border": "whether another part lies beside it",
         "unknown": "why it has no depth, see unknown_codes; 0: it has one",
         "valid": "whether it has depth",
+        "inferred": "whether its depth is not seen, but the plane of what looks the same around",
         "spread": "relative standard deviation of depth; inf unknown",
         "confidence": "of the scale of its part beside what is static, 0 to 1",
         "parallax": "pixels along the epipolar line",
@@ -62,6 +63,7 @@ def record(solution: Solution, origin: Origin) -> dict[str, object]:
         "share_by_reason": {
             reason.name.lower(): round(float(shares[reason]), 6) for reason in Unknown
         },
+        "share_inferred": round(float(found.inferred.mean()), 6),
         "median": {
             "parallax": _median(np.abs(found.parallax)),
             "residual": _median(found.residual),

@@ -87,6 +87,8 @@ def depth_words(solution: Solution) -> str:
         if shares[reason] >= 0.0005
     ]
     known = f"Depth for {shares[Unknown.KNOWN]:.1%} of the frame, in {unit}"
+    if found.inferred.any():
+        known += f"; {found.inferred.mean():.1%} is inferred, from what looks the same around it"
     return f"{known}; none for {', '.join(rest)}." if rest else f"{known}."
 
 

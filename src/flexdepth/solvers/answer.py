@@ -94,6 +94,7 @@ class TwoFrame:
         residual: Pixels between the flow and what depth and motion say; NaN without flow.
         spread: Relative standard deviation of depth; +inf where it is not known.
         unknown: `Unknown`: 0 where depth is known.
+        inferred: Whether depth is not seen, but lies in the plane of what looks the same around it.
         camera_motion: The camera's own.
         prior_share: How much of the depth is the prior's, 0 to 1; None without one.
         metric: Whether depth and translation are in metres.
@@ -109,6 +110,7 @@ class TwoFrame:
     residual: Array
     spread: Array
     unknown: NDArray[np.uint8]
+    inferred: NDArray[np.bool_]
     camera_motion: CameraMotion
     prior_share: Array | None
     metric: bool

@@ -229,6 +229,7 @@ def _answer(seen: Seen, view: View, fields: Fields) -> TwoFrame:
         unknown=np.select(
             [~seen.known, ~seen.trusted], [Unknown.NO_FLOW, Unknown.OCCLUDED], Unknown.KNOWN
         ).astype(np.uint8),
+        inferred=np.zeros(shape, bool),
         camera_motion=motion,
         prior_share=None,
         metric=False,

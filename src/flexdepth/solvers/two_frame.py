@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from flexdepth.solvers.answer import Evidence, Kind, Region, TwoFrame, Unknown
 from flexdepth.solvers.dense import Dense, refined_world
+from flexdepth.solvers.planes import with_planes
 from flexdepth.solvers.prior import with_prior
 from flexdepth.solvers.region_solver import solved_regions
 from flexdepth.solvers.seen import Prior, Seen, Stereo, ThirdFrame
@@ -61,4 +62,7 @@ def two_frame(seen: Seen, settings: TwoFrameSettings = TwoFrameSettings()) -> Tw
         world = with_stereo(world, seen, seen.stereo)
     if seen.prior is not None:
         world = with_prior(world, seen, seen.prior)
-    return answer(world, seen, settings.clear)
+    found = answer(world, seen, settings.clear)
+    if seen.image is not None and seen.target is not None:
+        found = with_planes(found, seen.image)
+    return found

@@ -41,6 +41,7 @@ def answer(world: World, seen: Seen, clear: float) -> TwoFrame:
         residual=residual + nothing,
         spread=np.where(known, np.hypot(world.shape_spread, scales), np.inf),
         unknown=unknown.astype(np.uint8),
+        inferred=np.zeros_like(static),
         camera_motion=world.camera,
         prior_share=world.prior_share,
         metric=world.metric,
