@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexdepth.solvers.answer import Evidence, Kind
-from flexdepth.solvers.borders import Border, nearness_beside
+from flexdepth.solvers.borders import Border, Surroundings, nearness_beside
 from flexdepth.solvers.clues import Clues
 from flexdepth.solvers.ground import Ground
 from flexdepth.solvers.relative_scale import least_error, relative_scale
@@ -83,12 +83,33 @@ def test_what_stands_elsewhere_is_no_part_of_what_it_touches():
     assert relative_scale(clues(beside=-1.5)).value == pytest.approx(1.0, abs=0.05)
 
 
-def test_a_region_is_as_near_as_its_neighbour_where_their_borders_say_so():
+def side_by_side(jump):
+    """Return a region, its inverse depth, its right neighbour's, and flow that jumps between."""
     inside, other = np.zeros((6, 20), bool), np.full((6, 20), np.nan)
     inside[:, :10], other[:, 10:] = True, 3.0
-    assert nearness_beside(inside, np.full((6, 20), 2.0), other) == pytest.approx(1.5)
+    flow = np.zeros((6, 20, 2))
+    flow[:, 10:, 0] = jump
+    everywhere = np.ones((6, 20), bool)
+    around = Surroundings(np.zeros((6, 20)), everywhere, flow, everywhere, 1)
+    return inside, np.full((6, 20), 2.0), other, around
+
+
+def test_a_region_is_as_near_as_its_neighbour_where_their_borders_say_so():
+    inside, own, other, around = side_by_side(jump=1.0)
+    assert nearness_beside(inside, own, other, around) == pytest.approx(1.5)
     other[:, 10:13] = np.nan
-    assert nearness_beside(inside, np.full((6, 20), 2.0), other) is None
+    assert nearness_beside(inside, own, other, around) is None
+
+
+def test_what_moves_differently_passes_by_and_is_not_joined():
+    assert nearness_beside(*side_by_side(jump=6.0)) is None
+
+
+def test_only_where_motion_goes_on_are_two_regions_joined():
+    inside, own, other, around = side_by_side(jump=1.0)
+    around.flow[:3, 10:, 0] = 6.0
+    other[:3, 10:] = 9.0
+    assert nearness_beside(inside, own, other, around) == pytest.approx(1.5)
 
 
 def test_a_camera_that_stays_tells_no_scale():

@@ -20,6 +20,12 @@ _INSIDE = 3
 _TOUCHES = 12
 """Pairs of pixels, up to two apart, that make two regions touch."""
 
+_SAME_MOTION = 4.0
+"""Pixels between flows, in frames of 160 x 120, below which motion goes on across a border."""
+
+_JOINED = 0.3
+"""The share of the pairs across which motion goes on, for two regions to be parts of one body."""
+
 _LEAP = 0.25
 """A relative change of inverse depth from one sample to the next that ends the surface."""
 
@@ -96,26 +102,33 @@ def border(inside: Mask, inverse_depth: Array, around: Surroundings) -> Border:
     return Border(row.astype(np.intp), column.astype(np.intp), down > 0, ratio, slope, jump, hidden)
 
 
-def nearness_beside(inside: Mask, own: Array, others: Array) -> float | None:
-    """Return the median of others' inverse depth over a region's own where the two touch.
+def nearness_beside(inside: Mask, own: Array, others: Array, around: Surroundings) -> float | None:
+    """Return the median of others' inverse depth over a region's own where motion goes on.
+
+    None where the two do not touch, or mostly move differently: one may pass before the other.
 
     Args:
         inside: The region.
         own: Height x width: its inverse depth.
         others: Likewise, of what it may touch; NaN elsewhere.
+        around: Whose flow tells how the two move.
     """
     height, width = inside.shape
-    around = np.pad(others, 2, constant_values=np.nan)
-    own = np.where(inside & (own > 0), own, np.nan)
-    ratios = []
+    beyond = np.pad(others, 2, constant_values=np.nan)
+    flow = np.pad(around.flow, ((2, 2), (2, 2), (0, 0)))
+    ratios, jumps = [], []
     for down, right in _WAYS:
         for step in (1, 2):
             row, column = 2 + step * down, 2 + step * right
-            there = around[row : row + height, column : column + width]
-            ratios.append((there / own).ravel())
-    found = np.concatenate(ratios)
-    found = found[np.isfinite(found)]
-    return float(np.median(found)) if len(found) >= _TOUCHES else None
+            there = slice(row, row + height), slice(column, column + width)
+            touches = inside & (own > 0) & np.isfinite(beyond[there])
+            ratios.append(beyond[there][touches] / own[touches])
+            jumps.append(np.linalg.norm((flow[there] - around.flow)[touches], axis=-1))
+    ratio = np.concatenate(ratios)
+    joined = np.concatenate(jumps) < _SAME_MOTION * around.unit
+    if len(ratio) < _TOUCHES or joined.mean() < _JOINED:
+        return None
+    return float(np.median(ratio[joined]))
 
 
 def _one_way(

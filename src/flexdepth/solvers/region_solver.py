@@ -31,7 +31,7 @@ from flexdepth.solvers.world import World, along_of, sight_of
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-_BODY = 0.5
+_BODY = 0.2
 """The least size of a body, in that of its part."""
 
 _TELLS = (Evidence.CONTACT, Evidence.MOTION)
@@ -157,12 +157,16 @@ def _scaled_world(sight: Sight, stage: _Stage, labels: Labels, found: list[Thing
     translation = np.broadcast_to(camera.pose.translation, (count, 3)).copy()
     told = [Region(0, Kind.STATIC, Evidence.CAMERA, 1.0, 0.0, int((labels == 0).sum()))] * count
     seen = [_clues(sight, stage, labels, thing, (around, typical)) for thing in found]
-    order = np.argsort([relative_scale(each.clues).spread for each in seen], kind="stable")
     movers = np.full(labels.shape, np.nan)
-    for each in [seen[k] for k in order]:
-        scale = relative_scale(replace(each.clues, beside=_beside(each, movers)))
+    scales = {each: relative_scale(each.clues) for each in seen}
+    while scales:
+        each = min(scales, key=lambda one: scales[one].spread)
+        scale = scales.pop(each)
         if scale.evidence in _TELLS:
             movers[each.inside] = scale.value * each.own[each.inside]
+            for other in scales:
+                beside = _beside(other, movers, around)
+                scales[other] = relative_scale(replace(other.clues, beside=beside))
         for label, motion in zip(each.thing.labels, each.thing.motions, strict=True):
             at = (labels == label) & sight.trusted
             nearer = scaled(motion, scale.value)
@@ -176,11 +180,11 @@ def _scaled_world(sight: Sight, stage: _Stage, labels: Labels, found: list[Thing
     )
 
 
-def _beside(seen: _SeenThing, movers: Array) -> float | None:
-    """Return ln s at which a rigid thing is as near as the larger moving things that it touches."""
-    if seen.thing.kind is not Kind.RIGID or np.isfinite(movers).sum() < seen.inside.sum() * _BODY:
+def _beside(seen: _SeenThing, movers: Array, around: Surroundings) -> float | None:
+    """Return ln s at which a thing is as near as the moving things that it is joined to."""
+    if np.isfinite(movers).sum() < seen.inside.sum() * _BODY:
         return None
-    ratio = nearness_beside(seen.inside, seen.own, movers)
+    ratio = nearness_beside(seen.inside, seen.own, movers, around)
     return None if ratio is None else float(np.log(ratio))
 
 
