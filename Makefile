@@ -44,7 +44,7 @@ model: .venv/full.stamp  ## re-make the bundled weights from nothing (hours; an 
 	$(BIN)/flexdepth synth --seed 1 --count 160 -o renders/heldout
 	$(BIN)/flexdepth train compact -o runs/compact
 	$(BIN)/flexdepth train compact-large -o runs/compact-large
-	$(BIN)/flexdepth synth --seed 5 --count 400 -o renders/calibration
+	$(BIN)/flexdepth synth --seed 5 --count 3000 -o renders/calibration
 	$(BIN)/flexdepth train compact-spread -o runs/compact-spread
 	$(BIN)/flexdepth export runs/compact-spread/latest.safetensors \
 		-o src/flexdepth/runtime/assets/compact.onnx \

@@ -88,7 +88,12 @@ def test_ctrl_c_before_the_first_frame_leaves_a_video_untried(predict, clip, sto
     assert "stopped: 1 not tried" in err
 
 
-def test_ctrl_c_in_a_preview_leaves_the_frames(predict, clip, files, stopped_at):
+@pytest.mark.parametrize("terminal", [False, True])
+def test_ctrl_c_in_a_preview_leaves_the_frames(
+    terminal, predict, clip, files, stopped_at, monkeypatch
+):
+    if terminal:
+        monkeypatch.setenv("FORCE_COLOR", "1")
     clip("walk.mp4", [20, 60])
     stopped_at("walk.preview.mp4")
     code, _, err = predict("walk.mp4", "--preview")

@@ -1,6 +1,5 @@
 """How far a job is, and how long it will take, for a person who waits at a terminal."""
 
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -29,18 +28,19 @@ def with_progress(
         work: Gives one result for each input, in order; it tells the function it is given how
             many frames of which video are done.
     """
-    steps = [_pictures(each) for each in inputs] if sys.stderr.isatty() else []
-    if sum(steps) < 2:
+    if len(inputs) < 2 and not any(each.is_video for each in inputs):
         yield from work(lambda _path, _frames: None)
         return
     with _bar("{task.description}", transient=True) as bar:
+        steps = [1 if bar.disable else _pictures(each) for each in inputs]
         task = bar.add_task(inputs[0].path.name, total=sum(steps))
         before = 0
 
         def watch(path: Path, frames: int) -> None:
             bar.update(task, completed=before + frames, description=path.name)
 
-        for step, result in zip(steps, work(watch), strict=False):
+        # The results first: after the last of them, Ctrl-C may still have to be passed on.
+        for result, step in zip(work(watch), steps, strict=False):
             before += step
             bar.update(task, completed=before, description=result.path.name)
             yield result

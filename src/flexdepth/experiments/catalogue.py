@@ -47,7 +47,7 @@ _COMPACT_SPREAD = replace(
     data=Folder(Path("renders/calibration")),
     start=Trained(Path("runs/compact-large") / BEST),
     terms={"spread": Term(SpreadQuantiles(), 1.0)},
-    loop=replace(_COMPACT_LARGE.loop, iterations=400, save_every=100, learns=("spread",)),
+    loop=replace(_COMPACT_LARGE.loop, iterations=1500, save_every=250, learns=("spread",)),
 )
 
 CATALOGUE: Mapping[str, Experiment] = MappingProxyType(
