@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdepth.solvers.least_squares import dot
 from flexdepth.solvers.pose import Pose, cross, tangents, turned
 
 Array = NDArray[np.float64]
@@ -50,7 +51,7 @@ class Epipolar:
         columns = []
         for change in _changes(state):
             along, _, target_change, key_change = self._parts(change)
-            longer = ((in_target * target_change).sum(1) + (in_key * key_change).sum(1)) / length
+            longer = (dot(in_target, target_change) + dot(in_key, key_change)) / length
             columns.append((along - product / length * longer) / length)
         stacked = np.stack(columns, axis=1) / self.noise[:, None] * np.sqrt(2)
         return np.asarray(stacked)[:, None, :]
@@ -65,8 +66,8 @@ class Epipolar:
         line = self.target_lines(matrix)
         in_target = line[:, :2] / self.focal
         in_key = (self.target @ matrix)[:, :2] / self.focal
-        square = (in_target**2).sum(1) + (in_key**2).sum(1)
-        return (self.target * line).sum(1), np.sqrt(square + _NEVER), in_target, in_key
+        square = dot(in_target, in_target) + dot(in_key, in_key)
+        return dot(self.target, line), np.sqrt(square + _NEVER), in_target, in_key
 
     def target_lines(self, matrix: Array) -> Array:
         """Return the epipolar lines E x in the target frame."""

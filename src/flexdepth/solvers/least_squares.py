@@ -29,9 +29,15 @@ class Problem(Protocol[State]):
         ...
 
 
+def dot(one: Array, other: Array) -> Array:
+    """Return the n inner products of the rows of two n x k arrays; numpy's sum over few is slow."""
+    return np.asarray(np.einsum("nk,nk->n", one, other))
+
+
 def squares(problem: Problem[State], state: State) -> Array:
     """Return |r|² of each of the n residuals."""
-    return np.asarray((problem.residuals(state) ** 2).sum(axis=1))
+    residuals = problem.residuals(state)
+    return dot(residuals, residuals)
 
 
 def weights(square: Array, scale: float) -> Array:
@@ -61,9 +67,9 @@ def refined(problem: Problem[State], state: State, scale: float, steps: int = 50
     for _ in range(steps):
         before = cost(square, scale)
         residuals, jacobian = problem.residuals(state), problem.jacobian(state)
-        weighted = jacobian * weights(square, scale)[:, None, None]
-        normal = np.einsum("nkp,nkq->pq", weighted, jacobian, optimize=True)
-        gradient = np.einsum("nkp,nk->p", weighted, residuals, optimize=True)
+        weighted = (jacobian * weights(square, scale)[:, None, None]).reshape(residuals.size, -1)
+        normal = weighted.T @ jacobian.reshape(weighted.shape)
+        gradient = weighted.T @ residuals.ravel()
         ridge = np.diag(np.maximum(np.diag(normal), 1e-12))
         while damping <= _LARGEST_DAMPING:
             step = -np.linalg.solve(normal + damping * ridge, gradient)

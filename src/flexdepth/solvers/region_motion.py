@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from flexdepth.solvers import ransac
 from flexdepth.solvers.answer import Kind
 from flexdepth.solvers.epipolar import poses
-from flexdepth.solvers.least_squares import weights
+from flexdepth.solvers.least_squares import dot, weights
 from flexdepth.solvers.pose import Pose, cross, turned
 from flexdepth.solvers.two_view import seen_along
 
@@ -218,9 +218,9 @@ def _left(pixels: Pixels, pose: Pose) -> _Left:
     error = (pixels.target[:, :2] - there[:, :2] / depth[:, None]) * pixels.focal
     shift = projection * pixels.profile[:, None, None]
     line = shift @ pose.translation
-    slope = np.linalg.norm(line, axis=1)
+    slope = np.sqrt(dot(line, line))
     way = line / np.maximum(slope, 1e-12)[:, None]
-    along = (error * way).sum(axis=1)
+    along = dot(error, way)
     across = error[:, 1] * way[:, 0] - error[:, 0] * way[:, 1]
     return _Left(along, across, slope, way, projection, shift, place)
 
