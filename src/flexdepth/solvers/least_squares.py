@@ -72,7 +72,7 @@ def refined(problem: Problem[State], state: State, scale: float, steps: int = 50
         gradient = weighted.T @ residuals.ravel()
         ridge = np.diag(np.maximum(np.diag(normal), 1e-12))
         while damping <= _LARGEST_DAMPING:
-            step = -np.linalg.solve(normal + damping * ridge, gradient)
+            step = -np.asarray(np.linalg.solve(normal + damping * ridge, gradient), np.float64)
             candidate = problem.moved(state, step)
             candidate_square = squares(problem, candidate)
             if cost(candidate_square, scale) < before:
