@@ -51,6 +51,7 @@ _DIRECTIONS = ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (1, -1), (-1, 1), (-1, 
 """Down and right: where a line leads."""
 
 _FLOOR, _UNDERSTATEMENT = 0.05, 2.0
+"""The least noise, pixels, and by how much the round trip understates it, as in `dis.py`."""
 
 _WORSE = 1.0
 """Bits of the census by which other flow must look more alike to be believed before this."""
