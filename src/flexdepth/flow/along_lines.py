@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from flexdepth.compiled import compiled
 from flexdepth.flow.field import Flow, FlowField, checked
-from flexdepth.flow.frames import Image, gray_pair
-from flexdepth.flow.semi_global import Words, apart, census, misfit
+from flexdepth.flow.frames import Image, gray_pair, shrunk
+from flexdepth.flow.semi_global import Words, apart, between, census, misfit
 from flexdepth.runtime.depthmap import Intrinsics
 
 Array = NDArray[np.float64]
@@ -51,7 +51,7 @@ _DIRECTIONS = ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (1, -1), (-1, 1), (-1, 
 """Down and right: where a line leads."""
 
 _FLOOR, _UNDERSTATEMENT = 0.05, 2.0
-"""The least noise, pixels, and by how much the round trip understates it, as in `dis.py`."""
+"""The least noise, pixels; and by how much the round trip understates it, as `dis.py` found."""
 
 _WORSE = 1.0
 """Bits of the census by which other flow must look more alike to be believed before this."""
@@ -135,15 +135,11 @@ def _still_flow(
 ) -> Flow:
     """Return the flow from one frame to the other, were all still."""
     height, width = frames[0].shape
-    shrunk = max(1.0, float(np.sqrt(height * width / _PIXELS)))
-    size = round(width / shrunk), round(height / shrunk)
-    small = [
-        np.asarray(cv2.resize(each, size, interpolation=cv2.INTER_AREA), np.uint8)
-        for each in frames
-    ]
-    lines = _lines(small[0].shape, camera.scaled(size[0] / width, size[1] / height), motion)
+    small = shrunk(frames, _PIXELS)
+    rows, columns = small[0].shape
+    lines = _lines((rows, columns), camera.scaled(columns / width, rows / height), motion)
     longest = float(np.quantile(np.linalg.norm(lines.way, axis=-1), 0.9))
-    reach = _REACH * size[0]
+    reach = _REACH * columns
     most = reach / max(longest - reach * lines.nearing, longest / 2)
     tried = np.linspace(0.0, most, _LABELS)
     costs = _costs(census(small[0]), census(small[1]), lines, tried)
@@ -230,15 +226,11 @@ def _spread(last: NDArray[np.int16], out: NDArray[np.int16], jump: np.int16) -> 
 @compiled
 def _cheapest(total: NDArray[np.uint16]) -> NDArray[np.float32]:
     """Return the number of the depth that costs least, by a parabola to a part of a step."""
-    height, width, labels = total.shape
+    height, width, _ = total.shape
     found = np.zeros((height, width), np.float32)
     for row in range(height):
         for column in range(width):
             here = total[row, column]
             at = here.argmin()
-            found[row, column] = at
-            if 0 < at < labels - 1:
-                before = np.float64(here[at - 1]) - here[at]
-                after = np.float64(here[at + 1]) - here[at]
-                found[row, column] += 0.5 * (before - after) / max(before, after, 1.0)
+            found[row, column] = at + between(here, at)
     return found

@@ -39,6 +39,23 @@ def gray_pair(key: Image, target: Image) -> tuple[Image, Image]:
     return _gray(key, "key"), _gray(target, "target")
 
 
+def shrunk(frames: tuple[Image, Image], pixels: int) -> tuple[Image, Image]:
+    """Return both frames at about so many pixels, in their shape; larger than they are, never.
+
+    Args:
+        frames: Gray, of one size.
+        pixels: About as many as the small ones have.
+    """
+    height, width = frames[0].shape
+    times = max(1.0, float(np.sqrt(height * width / pixels)))
+    size = round(width / times), round(height / times)
+    key, target = (
+        np.asarray(cv2.resize(each, size, interpolation=cv2.INTER_AREA), np.uint8)
+        for each in frames
+    )
+    return key, target
+
+
 def _gray(frame: Image, name: str) -> Image:
     gray = frame if frame.ndim == 2 else np.asarray(cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY))
     if gray.std() < _TEXTURE:

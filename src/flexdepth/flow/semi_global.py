@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from flexdepth.compiled import compiled
 from flexdepth.flow.field import Flow
-from flexdepth.flow.frames import Image
+from flexdepth.flow.frames import Image, shrunk
 
 Words = NDArray[np.uint64]
 
@@ -45,18 +45,14 @@ def rough_flow(key: Image, target: Image) -> Flow:
         target: Gray, of the same size.
     """
     height, width = key.shape
-    shrunk = max(1.0, float(np.sqrt(key.size / _PIXELS)))
-    size = round(width / shrunk), round(height / shrunk)
-    small = [
-        np.asarray(cv2.resize(each, size, interpolation=cv2.INTER_AREA), np.uint8)
-        for each in (key, target)
-    ]
+    small = shrunk((key, target), _PIXELS)
+    rows, columns = small[0].shape
     costs = _costs(census(small[0]), census(small[1]), _ACROSS, _DOWN)
     total = np.zeros(costs.shape, np.uint16)
     for line in _LINES:
         _add_along(costs, total, small[0], *line)
     shifts = np.asarray(cv2.resize(_cheapest(total), (width, height)), np.float32)
-    return shifts * np.array([width / size[0], height / size[1]], np.float32)
+    return shifts * np.array([width / columns, height / rows], np.float32)
 
 
 @compiled
@@ -169,13 +165,13 @@ def _cheapest(total: NDArray[np.uint16]) -> Flow:
             here = total[row, column]
             at = here.argmin()
             j, i = at // wide, at % wide
-            shifts[row, column, 0] = i - (wide - 1) // 2 + _between(here[j, :], i)
-            shifts[row, column, 1] = j - (tall - 1) // 2 + _between(here[:, i], j)
+            shifts[row, column, 0] = i - (wide - 1) // 2 + between(here[j, :], i)
+            shifts[row, column, 1] = j - (tall - 1) // 2 + between(here[:, i], j)
     return shifts
 
 
 @compiled
-def _between(costs: NDArray[np.uint16], at: int) -> float:
+def between(costs: NDArray[np.uint16], at: int) -> float:
     """Return where between the neighbours of a least cost it would be, from -.5 to .5."""
     if at == 0 or at == len(costs) - 1:
         return 0.0

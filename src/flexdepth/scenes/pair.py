@@ -139,11 +139,10 @@ def solve(settings: PairSettings, say: Callable[[str], None] = lambda _step: Non
         None if prior is None else as_prior(prior),
         more.third,
         more.stereo,
-        None if isinstance(method, FlowFile) else pictures["target"],
-        None
-        if isinstance(method, FlowFile)
-        else AlongLines(pictures["key"], pictures["target"], views.camera),
     )
+    if not isinstance(method, FlowFile):
+        search = AlongLines(pictures["key"], pictures["target"], views.camera)
+        seen = replace(seen, target=pictures["target"], search=search)
     say("solving")
     found = solved(settings.objective, seen, pictures["key"], pictures["target"])
     model = f"flexdepth solve ({settings.objective})"

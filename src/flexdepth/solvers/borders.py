@@ -114,16 +114,16 @@ def nearness_beside(inside: Mask, own: Array, others: Array, around: Surrounding
         around: Whose flow tells how the two move.
     """
     height, width = inside.shape
-    beyond = np.pad(others, 2, constant_values=np.nan)
-    flow = np.pad(around.flow, ((2, 2), (2, 2), (0, 0)))
+    row, column = np.nonzero(inside & (own > 0))
     ratios, jumps = [], []
     for down, right in _WAYS:
         for step in (1, 2):
-            row, column = 2 + step * down, 2 + step * right
-            there = slice(row, row + height), slice(column, column + width)
-            touches = inside & (own > 0) & np.isfinite(beyond[there])
-            ratios.append(beyond[there][touches] / own[touches])
-            jumps.append(np.linalg.norm((flow[there] - around.flow)[touches], axis=-1))
+            r, c = row + step * down, column + step * right
+            touches = (r >= 0) & (r < height) & (c >= 0) & (c < width)
+            touches[touches] = np.isfinite(others[r[touches], c[touches]])
+            here, there = (row[touches], column[touches]), (r[touches], c[touches])
+            ratios.append(others[there] / own[here])
+            jumps.append(np.linalg.norm(around.flow[there] - around.flow[here], axis=-1))
     ratio = np.concatenate(ratios)
     joined = np.concatenate(jumps) < _SAME_MOTION * around.unit
     if len(ratio) < _TOUCHES or joined.mean() < _JOINED:
