@@ -17,7 +17,9 @@ from flexdepth.synth.sequence import SEQUENCE_VERSION, SequenceSettings, filmed,
 
 HERE = Path(__file__).parent
 SYNTH = f"{VERSION}.{SEQUENCE_VERSION}"
-KEPT = HERE.parents[1] / "build" / "solve-suite" / SYNTH
+PAIR_VERSION = 2
+"""Raised when a pair holds something else."""
+KEPT = HERE.parents[1] / "build" / "solve-suite" / f"{SYNTH}-{PAIR_VERSION}"
 SAID_OF_EXACT = 0.01
 """Pixels: a solver must be told some noise."""
 
@@ -36,6 +38,8 @@ class Pair:
         flow: Key to target, pixels; NaN where the point is then behind the camera.
         occluded: Where the target does not show the point.
         kind: 0 what is still, 1 the rigid mover, 2 the flexible one.
+        stands: Of each kind, whether it touches the ground where the key frame shows it; a mover
+            that does not is in the air.
         rotation: Of the camera's `target_from_key`.
         translation: Metres.
         focal: Pixels; the camera looks through the middle.
@@ -47,6 +51,7 @@ class Pair:
     flow: Array
     occluded: NDArray[np.bool_]
     kind: NDArray[np.uint8]
+    stands: NDArray[np.bool_]
     rotation: Array
     translation: Array
     focal: Array
@@ -100,7 +105,10 @@ def rendered(wanted: SequenceSettings) -> Pair:
     key, target = next(frames), next(frames)
     if key.forward is None:
         raise ValueError("a sequence of at least two frames is wanted")
-    bends = np.array([0, *(FLEXIBLE if m.kind.flexible else RIGID for m in shot.play.movers)])
+    movers = [mover.kind for mover in shot.play.movers]
+    kinds = np.array([STATIC, *(FLEXIBLE if kind.flexible else RIGID for kind in movers)])
+    stands = np.ones(len(kinds), bool)
+    stands[kinds[1:]] = [kind.stands for kind in movers]
     rotation, translation = other_from_this(key.camera.view, target.camera.view)
     return Pair(
         key.picture,
@@ -108,7 +116,8 @@ def rendered(wanted: SequenceSettings) -> Pair:
         key.depth,
         key.forward.flow,
         key.forward.occluded,
-        bends[key.mover].astype(np.uint8),
+        kinds[key.mover].astype(np.uint8),
+        stands,
         rotation,
         translation,
         np.array(shot.focal),

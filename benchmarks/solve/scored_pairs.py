@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pairs import FLEXIBLE, RIGID, STATIC, Pair, parallax
 
 LEAST_PARALLAX = 0.5
-GROUPS = ("all", "static", "rigid", "flexible", "moving")
+GROUPS = ("all", "static", "rigid", "flexible", "moving", "standing", "in the air")
 SHAPES = {"rigid shape": "rigid", "flexible shape": "flexible"}
 """A mover scored after a scale of its own: what is left of its error without its relative scale."""
 
@@ -43,12 +43,15 @@ def scored(truth: Pair) -> Mask:
 def groups(truth: Pair) -> dict[str, Mask]:
     """Return the scored pixels of each group."""
     counts = scored(truth)
+    moving, stands = counts & (truth.kind != STATIC), truth.stands[truth.kind]
     return {
         "all": counts,
         "static": counts & (truth.kind == STATIC),
         "rigid": counts & (truth.kind == RIGID),
         "flexible": counts & (truth.kind == FLEXIBLE),
-        "moving": counts & (truth.kind != STATIC),
+        "moving": moving,
+        "standing": moving & stands,
+        "in the air": moving & ~stands,
     }
 
 

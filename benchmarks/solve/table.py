@@ -76,7 +76,7 @@ def _measured(what: str, line: Line, base: Line | None) -> float | None:
 def text(lines: Sequence[Line], judged: Sequence[Verdict]) -> str:
     """Return the table: AbsRel/delta1 in percent of each group, then coverage and time."""
     head = f"{'flow':10} {'method':26} {'pairs':>5}"
-    head += "".join(f"{group:>10}" for group in GROUPS)
+    head += "".join(f"{group:>12}" for group in GROUPS)
     head += "".join(f"{shape:>16}" for shape in SHAPES)
     head += f"{'still known':>13}{'moving known':>14}{'seconds':>9}{'CPU s':>8}"
     rows = [head, "-" * len(head)]
@@ -109,7 +109,7 @@ def _row(line: Line) -> str:
         for group in ("static", "moving")
     ]
     row = f"{line.flow:10} {line.row:26} {len(line.seeds):>5}"
-    row += "".join(f"{cell:>10}" for cell in cells)
+    row += "".join(f"{cell:>12}" for cell in cells)
     row += "".join(f"{shape:>16}" for shape in shapes)
     return row + f"{known[0]:>13}{known[1]:>14}{line.seconds:>9.2f}{line.cpu:>8.2f}"
 

@@ -38,6 +38,7 @@ def pair(solve):
         flow=flow,
         occluded=np.zeros(shape, bool),
         kind=np.zeros(shape, np.uint8),
+        stands=np.ones(3, bool),
         rotation=np.eye(3),
         translation=np.array([-0.4, 0.0, 0.0]),
         focal=np.array(FOCAL),
@@ -45,11 +46,11 @@ def pair(solve):
 
 
 def with_movers(pair):
-    """A rigid mover of 3 x 4 pixels at 2 m, and a flexible one beside it at 1 m."""
+    """A rigid mover of 3 x 4 pixels at 2 m, and a flexible one in the air at 1 m."""
     depth, kind = pair.depth.copy(), pair.kind.copy()
     depth[2:5, 2:6], kind[2:5, 2:6] = 2.0, 1
     depth[6:9, 2:6], kind[6:9, 2:6] = 1.0, 2
-    return replace(pair, depth=depth, kind=kind)
+    return replace(pair, depth=depth, kind=kind, stands=np.array([True, True, False]))
 
 
 def test_the_suite_is_that_of_synth_on_the_seeds_that_are_kept_for_it(solve):
@@ -59,6 +60,14 @@ def test_the_suite_is_that_of_synth_on_the_seeds_that_are_kept_for_it(solve):
     settings = solve["pairs"].settings
     assert settings(said, "small", 7) == replace(PAIRS, world=SynthSettings(7, 160, 120))
     assert settings(said, "large", 7) == replace(LARGE_PAIRS, world=SynthSettings(7, 640, 480))
+
+
+def test_a_pair_says_which_of_its_movers_stands(solve):
+    pairs = solve["pairs"]
+    # Seed 1002 shows a ball that bounces and a person who stands.
+    found = pairs.rendered(pairs.settings(pairs.suite(), "small", 1002))
+    assert found.stands.tolist() == [True, False, True]
+    assert set(np.unique(found.kind)) == {pairs.STATIC, pairs.RIGID, pairs.FLEXIBLE}
 
 
 def test_the_truth_scores_perfectly_whatever_its_scale(solve, pair):
@@ -76,6 +85,7 @@ def test_one_wrong_mover_worked_by_hand(solve, pair):
     assert found["static"].abs_rel == found["flexible"].abs_rel == 0
     assert (found["rigid"].abs_rel, found["rigid"].delta1) == (pytest.approx(0.5), 0)
     assert (found["moving"].abs_rel, found["moving"].delta1) == (pytest.approx(0.25), 0.5)
+    assert (found["standing"].abs_rel, found["in the air"].abs_rel) == (pytest.approx(0.5), 0)
     assert found["all"].abs_rel == pytest.approx(0.5 * 12 / (HEIGHT * WIDTH))
     assert found["rigid shape"].abs_rel == found["flexible shape"].abs_rel == 0
 
@@ -156,6 +166,7 @@ def test_the_triangulated_baselines_find_a_still_world(solve):
         flow=flow,
         occluded=np.zeros((60, 80), bool),
         kind=np.zeros((60, 80), np.uint8),
+        stands=np.ones(3, bool),
         rotation=rotation,
         translation=np.array(translation),
         focal=np.array(100.0),
