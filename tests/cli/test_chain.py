@@ -61,6 +61,10 @@ def is_typed(line):
         (["train", "--seed", "3"], "name an experiment first, of ["),
         (["train", "compact", "--data.root", "nowhere"], "nowhere/image: no such folder"),
         (["export", "nothing.safetensors", "-o", "x.onnx"], "nothing.safetensors: no such check"),
+        (
+            ["export", "nothing.safetensors", "-o", "x.onnx", "--spread-factor", "0"],
+            "--spread-factor: a number above 0 was wanted, got 0",
+        ),
         (["synth", "-o", "x", "--width", "3"], "width and height >= 32"),
         (["synth", "-o", "x", "--count", "0"], "--count is a whole number >= 1"),
     ],

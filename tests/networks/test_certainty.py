@@ -27,6 +27,13 @@ def test_features_of_zero_have_the_typical_spread():
     assert_close(spread, torch.full((2, 32, 64), 0.2))
 
 
+def test_a_widened_spread_is_so_many_times_what_it_was():
+    head, seen = Spread().build(WIDTHS), features()
+    before = head(seen)
+    head.widen(1.25)
+    assert_close(head(seen), (1.25 * before).clamp(max=3))
+
+
 @pytest.mark.parametrize("level", range(4))
 def test_the_spread_hangs_on_the_features_of_every_stride(level):
     head, seen = Spread().build(WIDTHS), features()

@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import Annotated
 
@@ -39,6 +40,8 @@ class Export:
     scale_spread: float | None = None
     """Relative standard deviation of metres by one factor for a whole map, as
     `benchmarks/certainty.py` measures it."""
+    spread_factor: float = 1.0
+    """What every pixel's spread is multiplied by, as `benchmarks/certainty.py` measures it."""
     area: tuple[int, int] = (384, 288)
     """Width and height whose product is the number of pixels that the network runs at."""
 
@@ -47,12 +50,17 @@ def run(arguments: Sequence[str]) -> int:
     """Export the checkpoint that `arguments` name."""
     with told_in_one_line("flexdepth export"):
         settings = tyro.cli(Export, args=arguments, prog="flexdepth export")
+    if not 0 < settings.spread_factor < inf:
+        raise InputError(
+            f"--spread-factor: a number above 0 was wanted, got {settings.spread_factor:g}"
+        )
     network = trained_network(settings.checkpoint)
     if not isinstance(network, CompactNetwork):
         raise InputError(
             f"{settings.checkpoint}: a bundle is made of the network Compact, "
             f"this is {type(network.settings).__name__}"
         )
+    network.spread.widen(settings.spread_factor)
     description = Description(
         name=settings.name,
         version=settings.version,

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import log
 
+import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn.functional import avg_pool2d, interpolate
@@ -66,6 +67,11 @@ class SpreadHead(nn.Module):
         logarithm = _grown(self.say(self.blocks(seen)), 8.0)
         least, most = log(self.settings.least), log(self.settings.most)
         return (logarithm.squeeze(1) + log(self.settings.typical)).clamp(least, most).exp()
+
+    def widen(self, factor: float) -> None:
+        """Multiply every spread by a factor above 0, within the least and the most."""
+        with torch.no_grad():
+            self.say.get_parameter("bias").add_(log(factor))
 
 
 def _around(width: int) -> nn.Conv2d:
