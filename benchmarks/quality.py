@@ -1,6 +1,7 @@
 """How good models are on real pictures with measured depth, beside those who never look.
 
     python benchmarks/quality.py --samples DIR [--model NAME ...] [--markdown | --json]
+    python benchmarks/quality.py --rendered DIR [...]
 
 Pixels with 1 mm < truth < cap are scored (10 m indoors, 80 m on the road), AbsRel and delta1 per
 image, then averaged over the set; three times: fitted in disparity to 1/truth by ordinary least
@@ -8,8 +9,9 @@ squares, clipped so that depth <= cap; scaled by the ratio of the medians; and a
 true focal length and nothing fitted. Beside them stand the best constant in hindsight, a ramp and
 the ground plane; how many times too large the metres come out; and, where the truth is dense, how
 sharp the edges are. A model is named as everywhere (docs/models.md); what its numbers do not
-allow, such as metres of affine disparity, is left out. docs/samples.md says where the pictures
-come from.
+allow, such as metres of affine disparity, is left out. With --rendered a folder of `flexdepth
+synth` is scored instead; edges need images larger than the network's 384x288, where the ceiling
+is 1. docs/samples.md says where the pictures come from.
 """
 
 import argparse
@@ -25,7 +27,7 @@ import numpy as np
 from boundaries import boundaries
 from numpy.typing import NDArray
 from PIL import Image
-from samples import SETS, SampleSet, scored_pixels
+from samples import SETS, SampleSet, rendered, scored_pixels
 from scores import Fit, Predict, Result, Seen, fitted, looked_at, score_set
 from tables import markdown, text
 
@@ -94,6 +96,9 @@ def arguments() -> argparse.Namespace:
     parser.add_argument(
         "--only", action="append", default=[], metavar="SET", help="score this set; may be repeated"
     )
+    parser.add_argument(
+        "--rendered", type=Path, metavar="DIR", help="score this folder of flexdepth synth instead"
+    )
     parser.add_argument("--json", action="store_true", help="print JSON instead of the tables")
     parser.add_argument("--markdown", action="store_true", help="print one Markdown table")
     parser.add_argument("--pictures", type=Path, metavar="DIR", help="write a few side by side")
@@ -135,7 +140,10 @@ def scored(
 def main() -> int:
     """Score what the folder holds, print it, return the exit code."""
     options = arguments()
-    sets = list(found(options.samples, options.only))
+    if options.rendered is not None:
+        sets = [(own := rendered(options.rendered), own.load(options.samples))]
+    else:
+        sets = list(found(options.samples, options.only))
     if not sets:
         print(f"skipped: {options.samples} holds none of the sets of docs/samples.md")
         return 0

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from flexdepth.data.folder import Folder
 from flexdepth.data.kitti_velodyne import KittiObject
 from flexdepth.data.middlebury import calibrated_scenes
 from flexdepth.data.read import opencv_camera
@@ -17,6 +18,7 @@ from flexdepth.data.stored import Codes, StoredDepth, StoredPair
 from flexdepth.data.sunrgbd import TurnedCodes
 from flexdepth.runtime.depthmap import Intrinsics
 from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.files import read_depth
 
 NEAREST = 1e-3
 """Metres: truth at or below it is missing."""
@@ -114,6 +116,29 @@ class SampleSet:
     load: Callable[[Path], Sequence[StoredPair]]
     bar: Score | None = None
     dense: bool = False
+
+
+@dataclass(frozen=True)
+class OwnDepth:
+    """Depth in a file that says its own meaning."""
+
+    path: Path
+
+    def values(self) -> NDArray[np.float32]:
+        """Return z in metres."""
+        return read_depth(self.path).values
+
+
+def rendered(folder: Path) -> SampleSet:
+    """Return the images of `flexdepth synth`, or of any such folder with dense truth, as a set."""
+
+    def load(_samples: Path) -> Sequence[StoredPair]:
+        return [
+            StoredPair(image.stem, image, OwnDepth(depth), read_depth(depth).intrinsics)
+            for image, depth in Folder(folder).load().paths
+        ]
+
+    return SampleSet("rendered", ROAD, load, dense=True)
 
 
 def _number(path: Path) -> int:

@@ -8,6 +8,7 @@ from PIL import Image
 
 from flexdepth.data.folder import Pair
 from flexdepth.runtime.depthmap import DepthMap, FocalSource, Intrinsics, Space
+from flexdepth.runtime.files import write_depth
 from flexdepth.runtime.images import Photo
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
@@ -129,6 +130,22 @@ def test_sets_may_be_chosen_by_name(quality, monkeypatch, tmp_path, capsys):
         quality.InputError, match="--only: no set 'Nyu'; choose some of 7-Scenes, N"
     ):
         run(quality, monkeypatch, "--samples", samples, "--only", "Nyu")
+
+
+def test_a_folder_of_renders_is_scored_alone(quality, monkeypatch, tmp_path, capsys):
+    (tmp_path / "image").mkdir()
+    for number in range(2):
+        shade = np.full((HEIGHT, WIDTH, 3), 40 * number, np.uint8)
+        Image.fromarray(shade).save(tmp_path / "image" / f"{number}.png")
+        camera = Intrinsics.centred(WIDTH, HEIGHT, 30.0, FocalSource.GIVEN)
+        truth = DepthMap(truth_of(number).astype(np.float32), Space.METRIC, camera)
+        write_depth(tmp_path / "depth" / f"{number}.npz", truth, None)
+    assert run(quality, monkeypatch, "--rendered", tmp_path, "--json") == 0
+    printed = capsys.readouterr()
+    said = json.loads(printed.out)
+    assert "skipped" not in printed.err
+    assert said["sets"]["rendered"]["scores"]["median scale only"]["compact"]["delta1"] == 1
+    assert said["sets"]["rendered"]["enlarged"]["compact"] == pytest.approx(2)
 
 
 def test_a_set_with_too_few_frames_is_skipped(quality, monkeypatch, tmp_path, capsys):
