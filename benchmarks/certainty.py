@@ -27,11 +27,10 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 from numpy.typing import NDArray
-from samples import SETS, SampleSet, scored_pixels
+from samples import SETS, Readable, SampleSet, scored_pixels
 
 import flexdepth
 from flexdepth.data.folder import Folder
-from flexdepth.data.stored import StoredPair
 from flexdepth.evaluation.alignment import Alignment, aligned
 from flexdepth.evaluation.metrics import abs_rel
 from flexdepth.runtime.depthmap import DepthMap, Intrinsics
@@ -142,7 +141,7 @@ def field_of_view(camera: Intrinsics, width: int) -> float:
     return float(2 * np.degrees(np.arctan(width / 2 / camera.focal_x)))
 
 
-def on_real(model: str, sample_set: SampleSet, files: Sequence[StoredPair]) -> dict[str, float]:
+def on_real(model: str, sample_set: SampleSet, files: Sequence[Readable]) -> dict[str, float]:
     """Return what dropping the unsure gains on a set, and how far off the field of view is."""
     predictor = flexdepth.load(model)
     pairs, angles = [], []
@@ -168,7 +167,7 @@ def on_real(model: str, sample_set: SampleSet, files: Sequence[StoredPair]) -> d
     return report
 
 
-def held(samples: Path) -> Iterator[tuple[SampleSet, Sequence[StoredPair]]]:
+def held(samples: Path) -> Iterator[tuple[SampleSet, Sequence[Readable]]]:
     """Give the sets that the folder holds."""
     for sample_set in SETS:
         with suppress(InputError):

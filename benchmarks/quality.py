@@ -27,12 +27,11 @@ import numpy as np
 from boundaries import boundaries
 from numpy.typing import NDArray
 from PIL import Image
-from samples import SETS, SampleSet, rendered, scored_pixels
+from samples import RENDERED, SETS, Readable, SampleSet, scored_pixels
 from scores import Fit, Predict, Result, Seen, fitted, looked_at, score_set
 from tables import markdown, text
 
 import flexdepth
-from flexdepth.data.stored import StoredPair
 from flexdepth.runtime.depthmap import DepthMap, Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.picture import limits, panels, preview
@@ -43,7 +42,7 @@ BUNDLED = "compact"
 
 def found(
     samples: Path, only: Sequence[str] = ()
-) -> Iterator[tuple[SampleSet, Sequence[StoredPair]]]:
+) -> Iterator[tuple[SampleSet, Sequence[Readable]]]:
     """Yield the sets that the folder holds; say on stderr which it lacks and why.
 
     Args:
@@ -112,7 +111,7 @@ def predictor(model: str) -> Predict:
 
 
 def scored(
-    sample_set: SampleSet, files: Sequence[StoredPair], models: dict[str, Predict], sheets: Path
+    sample_set: SampleSet, files: Sequence[Readable], models: dict[str, Predict], sheets: Path
 ) -> tuple[Result, dict[str, float]]:
     """Return the scores of a set, and the mean boundary F1 where its truth is dense.
 
@@ -141,7 +140,7 @@ def main() -> int:
     """Score what the folder holds, print it, return the exit code."""
     options = arguments()
     if options.rendered is not None:
-        sets = [(own := rendered(options.rendered), own.load(options.samples))]
+        sets = [(RENDERED, RENDERED.load(options.rendered))]
     else:
         sets = list(found(options.samples, options.only))
     if not sets:

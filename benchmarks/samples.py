@@ -5,12 +5,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from flexdepth.data.folder import Folder
+from flexdepth.data.folder import Folder, FolderPairs, Pair
 from flexdepth.data.kitti_velodyne import KittiObject
 from flexdepth.data.middlebury import calibrated_scenes
 from flexdepth.data.read import opencv_camera
@@ -18,7 +19,6 @@ from flexdepth.data.stored import Codes, StoredDepth, StoredPair
 from flexdepth.data.sunrgbd import TurnedCodes
 from flexdepth.runtime.depthmap import Intrinsics
 from flexdepth.runtime.errors import InputError
-from flexdepth.runtime.files import read_depth
 
 NEAREST = 1e-3
 """Metres: truth at or below it is missing."""
@@ -99,6 +99,14 @@ class Numbered:
         )
 
 
+class Readable(Protocol):
+    """A picture with its truth on disk."""
+
+    def read(self) -> Pair:
+        """Return both."""
+        ...
+
+
 @dataclass(frozen=True)
 class SampleSet:
     """One set of pictures with measured depth.
@@ -106,39 +114,36 @@ class SampleSet:
     Attributes:
         name: As the tables have it.
         cap: The farthest truth that is scored, in metres.
-        load: Its pictures in the folder of all samples.
+        load: Its pictures in the folder of all samples, or in its own.
         bar: What the bundled model must reach, fitted in disparity; None: nothing.
         dense: Its truth is known nearly everywhere and lies where the picture's edges lie.
     """
 
     name: str
     cap: float
-    load: Callable[[Path], Sequence[StoredPair]]
+    load: Callable[[Path], Sequence[Readable]]
     bar: Score | None = None
     dense: bool = False
 
 
 @dataclass(frozen=True)
-class OwnDepth:
-    """Depth in a file that says its own meaning."""
+class _OfFolder:
+    """One of the pairs of a folder."""
 
-    path: Path
+    pairs: FolderPairs
+    number: int
 
-    def values(self) -> NDArray[np.float32]:
-        """Return z in metres."""
-        return read_depth(self.path).values
+    def read(self) -> Pair:
+        return self.pairs[self.number]
 
 
-def rendered(folder: Path) -> SampleSet:
-    """Return the images of `flexdepth synth`, or of any such folder with dense truth, as a set."""
+def _folder(root: Path) -> Sequence[Readable]:
+    pairs = Folder(root).load()
+    return [_OfFolder(pairs, number) for number in range(len(pairs))]
 
-    def load(_samples: Path) -> Sequence[StoredPair]:
-        return [
-            StoredPair(image.stem, image, OwnDepth(depth), read_depth(depth).intrinsics)
-            for image, depth in Folder(folder).load().paths
-        ]
 
-    return SampleSet("rendered", ROAD, load, dense=True)
+RENDERED = SampleSet("rendered", ROAD, _folder, dense=True)
+"""What `flexdepth synth` wrote into a folder of its own."""
 
 
 def _number(path: Path) -> int:

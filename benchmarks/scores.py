@@ -8,10 +8,9 @@ from types import MappingProxyType
 import numpy as np
 from blind import BEST_CONSTANT, BLIND, CONSTANT, best_constant, widened
 from numpy.typing import NDArray
-from samples import NEAREST, SampleSet, Score, scored_pixels
+from samples import NEAREST, Readable, SampleSet, Score, scored_pixels
 
 from flexdepth.data.folder import Pair
-from flexdepth.data.stored import StoredPair
 from flexdepth.evaluation.alignment import Alignment, aligned
 from flexdepth.evaluation.metrics import abs_rel, delta1
 from flexdepth.runtime.depthmap import DepthMap, FocalSource, Space
@@ -87,7 +86,7 @@ class Seen:
     maps: Mapping[str, DepthMap]
 
 
-def looked_at(files: Sequence[StoredPair], models: Mapping[str, Predict]) -> Iterator[Seen]:
+def looked_at(files: Sequence[Readable], models: Mapping[str, Predict]) -> Iterator[Seen]:
     """Yield what the models predict for each picture, told its true focal length if known."""
     for file in files:
         pair = file.read()

@@ -3,7 +3,6 @@
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf
 from pathlib import Path
 from typing import Annotated
 
@@ -16,6 +15,7 @@ from flexdepth.networks.compact import CompactNetwork
 from flexdepth.runtime.bundle import Description
 from flexdepth.runtime.depthmap import Space
 from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.fields import is_positive
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def run(arguments: Sequence[str]) -> int:
     """Export the checkpoint that `arguments` name."""
     with told_in_one_line("flexdepth export"):
         settings = tyro.cli(Export, args=arguments, prog="flexdepth export")
-    if not 0 < settings.spread_factor < inf:
+    if not is_positive(settings.spread_factor):
         raise InputError(
             f"--spread-factor: a number above 0 was wanted, got {settings.spread_factor:g}"
         )
