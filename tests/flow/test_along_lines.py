@@ -56,3 +56,14 @@ def test_other_flow_is_believed_where_it_looks_more_alike(frames, cut):
     search = AlongLines(key, target, CAMERA)
     assert not search(*RIGHT, true).valid[10:25, 28:52].any()
     assert search(*RIGHT, wrong).valid[95:110, 30:130].all()
+
+
+def test_of_places_on_the_line_that_look_alike_the_one_that_is_known_stays(cut):
+    """Stripes that come again every 12 pixels have moved by 6, or by 18."""
+    stripes = np.tile(cut()[:, :12], (1, 15))
+    search = AlongLines(stripes[:, :160], stripes[:, 6:166], CAMERA)
+    here, beside = (np.full_like(NOTHING, (-18, down)) for down in (0, 2))
+    assert np.abs(search(*RIGHT, NOTHING).flow[45:75, 65:95, 0] + 6).max() < 0.3
+    assert search(*RIGHT, NOTHING).valid[45:75, 65:95].all()
+    assert not search(*RIGHT, here).valid[45:75, 65:95].any()
+    assert search(*RIGHT, beside).valid[45:75, 65:95].all()

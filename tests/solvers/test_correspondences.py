@@ -26,14 +26,14 @@ def test_flow_is_thinned_to_a_grid_of_valid_pixels(camera):
     assert len(from_flow(flow, valid, noise, camera)) == 1200
 
 
-def test_the_noisiest_flow_tells_no_motion(camera):
+def test_the_noisiest_flow_of_each_part_tells_no_motion(camera):
     flow = np.zeros((40, 60, 2), np.float32)
-    noise = np.full((40, 60), 0.1, np.float32)
-    noise[30:] = 2
-    noise[28:30] = 1  # Three tenths in all.
+    noise = np.tile(np.linspace(0.1, 1, 10, dtype=np.float32)[:, None], (4, 60))
+    noise[:20] *= 100
     seen = from_flow(flow, np.ones((40, 60), bool), noise, camera)
-    assert len(seen) == 28 * 60
-    np.testing.assert_allclose(seen.noise, 0.1)
+    assert len(seen) == 32 * 60
+    np.testing.assert_allclose(seen.noise.max(), 80)
+    np.testing.assert_allclose(np.unique(seen.key[:, 1] // 10), range(4))
 
 
 def test_what_no_motion_can_be_found_from_is_refused(camera):

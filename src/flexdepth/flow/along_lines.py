@@ -56,6 +56,13 @@ _FLOOR, _UNDERSTATEMENT = 0.05, 2.0
 _WORSE = 1.0
 """Bits of the census by which other flow must look more alike to be believed before this."""
 
+_BETTER = 3.0
+"""Bits by which this must look more alike than other flow that is on the line as well, but
+elsewhere: bricks look like the next bricks."""
+
+_ON_LINE, _ELSEWHERE = 1.0, 2.0
+"""Pixels: the farthest from its line, and the least from what is found, of such other flow."""
+
 
 @dataclass(frozen=True, eq=False)
 class AlongLines:
@@ -75,7 +82,8 @@ class AlongLines:
         """Return the flow of what may stand still.
 
         It is valid where the search from the target leads home, and where what it finds looks as
-        much alike as what the given flow does, or that is not known.
+        much alike as what the given flow does, or that is not known. Given flow that leads to
+        another place on the line is left only for what looks clearly more alike.
 
         Args:
             rotation: 3 x 3, of the camera's `target_from_key`.
@@ -93,7 +101,10 @@ class AlongLines:
         words = census(frames[0]), census(frames[1])
         known = np.asarray(np.isfinite(flow).all(axis=-1))
         other = misfit(*words, np.where(known[..., None], flow, np.float32(0)))
-        alike = ~known | (misfit(*words, found.flow) <= other + _WORSE)
+        lines = _lines(flow.shape[:2], self.camera, (rotation, translation))
+        rival = _on_line(lines, flow) & (np.linalg.norm(found.flow - flow, axis=-1) > _ELSEWHERE)
+        enough = other + np.where(rival, -_BETTER, _WORSE)
+        alike = ~known | (misfit(*words, found.flow) <= enough)
         valid = found.valid & alike
         return FlowField(found.flow, valid, np.where(valid, found.noise, np.float32(np.nan)))
 
@@ -128,6 +139,15 @@ def _lines(shape: tuple[int, int], camera: Intrinsics, motion: tuple[Array, Arra
     place = turned[..., :2] / ahead[..., None]
     way = (translation[:2] - place * translation[2]) * focal
     return _Lines(place * focal + centre, way, ahead, float(translation[2]))
+
+
+def _on_line(lines: _Lines, flow: Flow) -> NDArray[np.bool_]:
+    """Return where flow leads to its pixel's line, on either side of infinity; not where NaN."""
+    row, column = np.mgrid[: flow.shape[0], : flow.shape[1]] + 0.5
+    right, down = np.moveaxis(np.stack([column, row], -1) + flow - lines.infinity, -1, 0)
+    length = np.maximum(np.linalg.norm(lines.way, axis=-1), _NOWHERE)
+    off = np.abs(right * lines.way[..., 1] - down * lines.way[..., 0]) / length
+    return np.asarray(off < _ON_LINE)
 
 
 def _still_flow(

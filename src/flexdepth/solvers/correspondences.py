@@ -1,6 +1,7 @@
 """Points of the key frame and where they are in the target, with their noise and their camera."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +11,12 @@ from flexdepth.runtime.errors import InputError
 
 Array = NDArray[np.float64]
 
-_CERTAIN = 0.7
+_CERTAIN = 0.8
 """The share of pixels with valid flow that tell how the camera has moved, those of least noise."""
+
+_PARTS = 4
+"""Across and down: in each part of the frame that share is taken by itself, lest all that is
+certain lies on one thing that moves, before a wall without texture."""
 
 FEWEST = 16
 """Twice what a homography needs: below it no choice between models means anything."""
@@ -79,7 +84,7 @@ def from_flow(
     camera: Intrinsics,
     most: int = 5_000,
 ) -> Correspondences:
-    """Return the more certain of the valid pixels, on a regular grid, about `most` at most.
+    """Return the more certain of each part's valid pixels, on a regular grid, about `most` at most.
 
     The errors of neighbours in dense flow are alike, so that more of them add little. The noisiest
     add nothing: there estimated flow is what smoothness has made of it, wrong alike over whole
@@ -95,10 +100,23 @@ def from_flow(
     Raises:
         InputError: Too few pixels are valid, or a valid one is not finite or without noise.
     """
-    certain = valid & (noise <= np.quantile(noise[valid], _CERTAIN)) if valid.any() else valid
+    certain = _certain(valid, noise)
     stride = max(1, round(float(np.sqrt(certain.sum() / most))))
     grid = slice(stride // 2, None, stride), slice(stride // 2, None, stride)
     at = certain[grid]
     key = pixel_centres(*valid.shape)[grid][at]
     shift = flow[grid][at].astype(np.float64)
     return Correspondences(key, key + shift, noise[grid][at].astype(np.float64), camera)
+
+
+def _certain(valid: NDArray[np.bool_], noise: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """Return the pixels of least noise, the same share of what is valid in each part."""
+    certain = np.zeros_like(valid)
+    rows, columns = (np.linspace(0, length, _PARTS + 1).astype(int) for length in valid.shape)
+    for top, bottom in pairwise(rows):
+        for left, right in pairwise(columns):
+            part = slice(top, bottom), slice(left, right)
+            seen = valid[part]
+            if seen.any():
+                certain[part] = seen & (noise[part] <= np.quantile(noise[part][seen], _CERTAIN))
+    return certain
