@@ -1,10 +1,12 @@
-"""Edges of depth, brought to where the picture has its own, and made as sharp.
+"""Edges of depth, brought to where the picture has its own, and made as high and as sharp.
 
-A network smaller than the picture gives ramps of a few pixels between near and far: soft edges in
-a map, and points between things in a cloud. Near a bend of the depth, every pixel takes the depth
-of the pixels around it whose colour is like its own (joint bilateral filter), and then, a few
-times, that end of what is around it which is nearer to its own (toggle mapping). What is level or
-slanted stays as it is.
+A network smaller than the picture gives ramps of a few pixels between near and far, and where it
+is not sure of an edge, low ones: soft edges in a map, and points between things in a cloud. So
+how far the depth of a pixel is from the mean around it is exaggerated, up to a little more than
+the nearest and the farthest around. Near a bend of the depth, every pixel then takes the depth of
+the pixels around it whose colour is like its own (joint bilateral filter, a few times), and that
+end of what is around it which is nearer to its own (toggle mapping). What is level or slanted
+stays as it is.
 
 References:
     Kopf et al., Joint bilateral upsampling, SIGGRAPH 2007. Kramer and Bruckner, Iterations of a
@@ -24,23 +26,35 @@ _Reals: TypeAlias = NDArray[np.float32]
 LARGEST = 640 * 512
 """Pixels; in a larger picture edges are brought into place at this size."""
 
-_WINDOW, _COLOUR, _SPACE = 11, 0.15, 5.0
-"""Of the joint bilateral filter: diameter, spread of colours from 0 to 1, spread in pixels."""
+_AROUND = 17
+"""Side in pixels of the square around a pixel in which its depth is exaggerated."""
 
-_TOGGLES = 4
-_STEP = 0.03
+_TIMES = 5.0
+"""How many times the difference from the mean is added."""
+
+_BEYOND, _HIGH = 0.12, 0.3
+"""How far at most, as a log, beyond the nearest and the farthest around, where all is alike; half
+of it where the log of their depths' ratio is `_HIGH`, and ever less at higher edges: the network
+saw those clearly, and there would be a seam along them."""
+
+_PASSES, _WINDOW, _COLOUR, _SPACE = 4, 9, 0.15, 4.0
+"""Of the joint bilateral filter: how often, diameter, spread of colours from 0 to 1, in pixels."""
+
+_TOGGLES = 2
+_STEP = 0.09
 """Log of the depths' ratio around a pixel, at least, where it takes one end of them."""
 
 _BEND = 0.02
 """How far log depth is from its mean around a pixel, at least, where there may be an edge."""
-_AROUND, _NEAR = 13, 9
-"""Sides of the squares over which that mean is taken, and that mean's largest value again."""
+
+_BENT, _NEAR = 13, 9
+"""Sides of the squares over which that mean is taken, and that difference's largest value again."""
 
 
 def with_sharp_edges(log_depth: _Reals, picture: NDArray[np.uint8]) -> _Reals:
     """Return log depth with the edges of a picture.
 
-    Every value lies between the smallest and the largest that were around it.
+    No value is farther than `_BEYOND` outside of what was around it.
 
     Args:
         log_depth: Height x width, finite.
@@ -57,22 +71,44 @@ def with_sharp_edges(log_depth: _Reals, picture: NDArray[np.uint8]) -> _Reals:
 
 
 def _sharpened(log_depth: _Reals, picture: NDArray[np.uint8]) -> _Reals:
-    mean = cv2.blur(log_depth, (_AROUND, _AROUND), borderType=cv2.BORDER_REPLICATE)
-    bend = np.abs(log_depth - mean)
+    placed = _exaggerated(log_depth)
+    bend = np.abs(placed - _level(placed, _BENT))
     edge = cv2.dilate(bend, np.ones((_NEAR, _NEAR), np.uint8)) > _BEND
     if not edge.any():
         return log_depth
     colours = picture.astype(np.float32) / np.float32(255)
-    guided = cv2.ximgproc.jointBilateralFilter(colours, log_depth, _WINDOW, _COLOUR, _SPACE)
-    placed = np.asarray(guided, np.float32)
+    for _ in range(_PASSES):
+        filtered = cv2.ximgproc.jointBilateralFilter(colours, placed, _WINDOW, _COLOUR, _SPACE)
+        placed = np.asarray(filtered, np.float32)
     for _ in range(_TOGGLES):
         placed = _toggled(placed)
     return np.where(edge, placed, log_depth)
 
 
+def _exaggerated(log_depth: _Reals) -> _Reals:
+    least, most = _ends(log_depth, _AROUND)
+    low, high = _ends(log_depth, 2 * _AROUND - 1)
+    beyond = np.float32(_BEYOND) / (1 + ((high - low) / np.float32(_HIGH)) ** 2)
+    relief = log_depth - _level(log_depth, _AROUND)
+    return np.clip(log_depth + np.float32(_TIMES) * relief, least - beyond, most + beyond)
+
+
+def _ends(values: _Reals, side: int) -> tuple[_Reals, _Reals]:
+    """Return the smallest and the largest of the values around each."""
+    square = np.ones((side, side), np.uint8)
+    return np.asarray(cv2.erode(values, square)), np.asarray(cv2.dilate(values, square))
+
+
+def _level(values: _Reals, side: int) -> _Reals:
+    """Return the mean around each pixel, which a slope has itself, at the border as well."""
+    height, width = values.shape
+    ring = np.pad(values, side // 2, mode="reflect", reflect_type="odd")
+    mean = cv2.blur(ring, (side, side))[side // 2 :, side // 2 :]
+    return np.asarray(mean[:height, :width], np.float32)
+
+
 def _toggled(values: _Reals) -> _Reals:
     """Return the smallest or the largest of the values around each, whichever is nearer to it."""
-    square = np.ones((3, 3), np.uint8)
-    low, high = cv2.erode(values, square), cv2.dilate(values, square)
+    low, high = _ends(values, 3)
     end = np.where(values - low < high - values, low, high)
     return np.where(high - low > _STEP, end, values)
