@@ -76,6 +76,7 @@ def test_a_map_lies_on_its_photo_without_a_shift(predictor):
     np.testing.assert_allclose(mirrored[:, ::-1], found, atol=1e-5)
 
 
+@pytest.mark.usefixtures("edges_as_seen")
 def test_between_two_depths_lies_their_geometric_mean(predictor):
     found = predictor.predict(gray(1, 1, 51, focal_in_diagonals=0.5)).depth
     assert found.shape == (1, 1)
@@ -153,6 +154,7 @@ def test_an_array_that_is_no_picture_is_refused(predictor, array):
         predictor.predict(array)
 
 
+@pytest.mark.usefixtures("edges_as_seen")
 def test_a_look_in_the_mirror_is_joined_with_the_first(make_bundle, tiny_graph):
     """The network here takes what lies on the left for nearer: 1 in a third of it, 2 elsewhere."""
     graph = tiny_graph.replace(

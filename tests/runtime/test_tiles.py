@@ -200,6 +200,7 @@ def test_a_small_photo_is_looked_at_whole(model):
     assert (whole == tiled).all()
 
 
+@pytest.mark.usefixtures("edges_as_seen")
 def test_tiles_show_the_stripes_that_the_whole_blurs(model):
     photo = striped(1203, 901)
     truth = 1 + photo.pixels[..., 0] / 255
@@ -210,6 +211,7 @@ def test_tiles_show_the_stripes_that_the_whole_blurs(model):
     assert tiled < 0.4 * whole
 
 
+@pytest.mark.usefixtures("edges_as_seen")
 def test_a_larger_look_shows_the_stripes_that_one_blurs(model):
     photo = striped(301, 226)
     truth = 1 + photo.pixels[..., 0] / 255
