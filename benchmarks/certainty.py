@@ -27,10 +27,9 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 from numpy.typing import NDArray
-from samples import SETS, Readable, SampleSet, scored_pixels
+from samples import RENDERED, SETS, Readable, SampleSet, scored_pixels
 
 import flexdepth
-from flexdepth.data.folder import Folder
 from flexdepth.evaluation.alignment import Alignment, aligned
 from flexdepth.evaluation.metrics import abs_rel
 from flexdepth.runtime.depthmap import DepthMap, Intrinsics
@@ -38,8 +37,6 @@ from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.images import Photo
 
 BESIDE_THE_REPOSITORY = Path(__file__).parents[2] / "shared" / "data"
-FARTHEST = 80.0
-"""Metres: rendered truth beyond it is not scored."""
 DROPPED = 0.2
 GROUPS = 10
 WANTED = ((0.68, 0.05), (0.95, 0.03))
@@ -59,10 +56,9 @@ class Foretold:
 
 def foretold(model: str, folder: Path, every: int = 7) -> Foretold:
     """Return the errors of every so manyth pixel of the held-out scenes."""
-    pairs = Folder(folder).load()
     ratios, spreads, factors = [], [], []
-    for number in range(len(pairs)):
-        pair = pairs[number]
+    for file in RENDERED.load(folder):
+        pair = file.read()
         camera = pair.truth.intrinsics
         if camera is None:
             raise InputError(f"{pair.name}: has no camera")
@@ -70,7 +66,7 @@ def foretold(model: str, folder: Path, every: int = 7) -> Foretold:
         found = flexdepth.load(model, lens).predict(pair.image)
         if found.spread is None:
             raise InputError(f"{model}: does not say how far off its depth may be")
-        known = pair.truth.valid & found.valid & (pair.truth.values < FARTHEST)
+        known = pair.truth.valid & found.valid & (pair.truth.values < RENDERED.cap)
         known &= np.isfinite(found.spread)
         if not known.any():
             continue

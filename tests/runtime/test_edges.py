@@ -29,7 +29,7 @@ def test_without_an_edge_in_the_picture_the_step_is_in_the_middle_of_the_ramp():
     sharp = with_sharp_edges(ramp(30, 5), grey(np.full((40, 60), 90)))
     jumps = np.diff(sharp[20])
     assert int(np.argmax(jumps)) == 29
-    assert jumps[29] > 0.35 * (FAR - NEAR)  # The ramp has .2 of it.
+    assert jumps[29] > 0.4 * (FAR - NEAR)  # The ramp has .2 of it.
 
 
 def test_a_slanted_plane_and_a_flat_wall_stay_to_the_last_bit_whatever_is_painted_on_them():
@@ -45,8 +45,8 @@ def test_nothing_changes_far_from_edges_and_no_seam_lies_along_a_high_one():
     picture = rng.integers(0, 256, (40, 130, 3), np.uint8)
     log_depth = ramp(65, 4, columns=130)
     sharp = with_sharp_edges(log_depth, picture)
-    assert sharp.min() >= NEAR - 0.04
-    assert sharp.max() <= FAR + 0.04
+    assert sharp.min() >= NEAR - 0.02
+    assert sharp.max() <= FAR + 0.02
     assert_array_equal(sharp[:, :30], log_depth[:, :30])
     assert_array_equal(sharp[:, -30:], log_depth[:, -30:])
 

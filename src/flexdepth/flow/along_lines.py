@@ -91,17 +91,17 @@ class AlongLines:
             flow: What was found without knowing how the camera moved, pixels; NaN is unknown.
         """
         frames = gray_pair(self.key, self.target)
-        back = rotation.T, -rotation.T @ translation
+        there, back = (rotation, translation), (rotation.T, -rotation.T @ translation)
+        lines, lines_back = (_lines(frames[0].shape, self.camera, each) for each in (there, back))
         found = checked(
-            _still_flow(frames, self.camera, (rotation, translation)),
-            _still_flow(frames[::-1], self.camera, back),
+            _refined(frames, lines, _nearness(frames, self.camera, there)),
+            _refined(frames[::-1], lines_back, _nearness(frames[::-1], self.camera, back)),
             _UNDERSTATEMENT,
             _FLOOR,
         )
         words = census(frames[0]), census(frames[1])
         known = np.asarray(np.isfinite(flow).all(axis=-1))
         other = misfit(*words, np.where(known[..., None], flow, np.float32(0)))
-        lines = _lines(flow.shape[:2], self.camera, (rotation, translation))
         rival = _on_line(lines, flow) & (np.linalg.norm(found.flow - flow, axis=-1) > _ELSEWHERE)
         enough = other + np.where(rival, -_BETTER, _WORSE)
         alike = ~known | (misfit(*words, found.flow) <= enough)
@@ -141,19 +141,25 @@ def _lines(shape: tuple[int, int], camera: Intrinsics, motion: tuple[Array, Arra
     return _Lines(place * focal + centre, way, ahead, float(translation[2]))
 
 
+def _turned(lines: _Lines) -> Array:
+    """Return the flow of what is infinitely far: the turn of the camera alone."""
+    height, width = lines.ahead.shape
+    row, column = np.mgrid[:height, :width] + 0.5
+    return np.asarray(lines.infinity - np.stack([column, row], -1))
+
+
 def _on_line(lines: _Lines, flow: Flow) -> NDArray[np.bool_]:
     """Return where flow leads to its pixel's line, on either side of infinity; not where NaN."""
-    row, column = np.mgrid[: flow.shape[0], : flow.shape[1]] + 0.5
-    right, down = np.moveaxis(np.stack([column, row], -1) + flow - lines.infinity, -1, 0)
+    right, down = np.moveaxis(flow - _turned(lines), -1, 0)
     length = np.maximum(np.linalg.norm(lines.way, axis=-1), _NOWHERE)
     off = np.abs(right * lines.way[..., 1] - down * lines.way[..., 0]) / length
     return np.asarray(off < _ON_LINE)
 
 
-def _still_flow(
+def _nearness(
     frames: tuple[Image, Image], camera: Intrinsics, motion: tuple[Array, Array]
-) -> Flow:
-    """Return the flow from one frame to the other, were all still."""
+) -> NDArray[np.float32]:
+    """Return the inverse depth of the first frame, were all still, as its small copy tells it."""
     height, width = frames[0].shape
     small = shrunk(frames, _PIXELS)
     rows, columns = small[0].shape
@@ -167,17 +173,13 @@ def _still_flow(
     for direction in _DIRECTIONS:
         _add_along(costs, total, small[0], *direction)
     nearness = cv2.resize(_cheapest(total), (width, height)) * np.float32(tried[1])
-    return _refined(
-        frames, _lines((height, width), camera, motion), np.asarray(nearness, np.float32)
-    )
+    return np.asarray(nearness, np.float32)
 
 
 def _refined(frames: tuple[Image, Image], lines: _Lines, nearness: NDArray[np.float32]) -> Flow:
     """Return the flow on the lines that is nearest to where the frames look most alike."""
-    height, width = nearness.shape
     along = nearness / np.maximum(lines.ahead + nearness * lines.nearing, _AHEAD)
-    row, column = np.mgrid[:height, :width] + 0.5
-    turned = lines.infinity - np.stack([column, row], -1)
+    turned = _turned(lines)
     moved = turned + along[..., None] * lines.way
     across, down = (np.ascontiguousarray(moved[..., k], np.float32) for k in range(2))
     cv2.VariationalRefinement.create().calcUV(*frames, across, down)

@@ -101,10 +101,10 @@ def _ends(values: _Reals, side: int) -> tuple[_Reals, _Reals]:
 
 def _level(values: _Reals, side: int) -> _Reals:
     """Return the mean around each pixel, which a slope has itself, at the border as well."""
-    height, width = values.shape
-    ring = np.pad(values, side // 2, mode="reflect", reflect_type="odd")
-    mean = cv2.blur(ring, (side, side))[side // 2 :, side // 2 :]
-    return np.asarray(mean[:height, :width], np.float32)
+    reach = side // 2
+    ring = np.pad(values, reach, mode="reflect", reflect_type="odd")
+    mean = cv2.blur(ring, (side, side))
+    return np.asarray(mean[reach:-reach, reach:-reach], np.float32)
 
 
 def _toggled(values: _Reals) -> _Reals:
