@@ -4,7 +4,7 @@ import json
 import os
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache, partial
 from multiprocessing import get_context
 from pathlib import Path
@@ -20,6 +20,7 @@ from flexdepth.runtime.files import write_depth
 from flexdepth.runtime.opening import open_input
 from flexdepth.synth.lens import photograph
 from flexdepth.synth.library import Library
+from flexdepth.synth.photographs import Photo, digest, photograph_files, photographs
 from flexdepth.synth.render import Rendering, render, worth_taking
 from flexdepth.synth.stage import Stage
 from flexdepth.synth.viewpoints import viewpoint
@@ -44,12 +45,15 @@ class SynthSettings:
         width: Pixels.
         height: Pixels.
         outdoor_share: Share of scenes under the sky; `worlds.py` says which kinds there are.
+        photographs: A folder of photographs to hang on walls, to see from windows, and for their
+            skies. None by default.
     """
 
     seed: int = 0
     width: int = 384
     height: int = 288
     outdoor_share: float = 0.4
+    photographs: Path | None = None
 
     def __post_init__(self) -> None:
         """Refuse what cannot be rendered."""
@@ -60,9 +64,25 @@ class SynthSettings:
             )
 
 
+def stated(settings: SynthSettings) -> dict[str, object]:
+    """Return what is rendered, for JSON: the photographs by what they show and not by their place.
+
+    Raises:
+        InputError: There are no such photographs, or one cannot be read.
+    """
+    said = asdict(replace(settings, photographs=None))
+    del said["photographs"]
+    if settings.photographs is None:
+        return said
+    return said | {"photographs": digest(photograph_files(settings.photographs))}
+
+
 @lru_cache(maxsize=1)
-def _library(seed: int) -> Library:
-    return Library.made(np.random.default_rng([seed, 0]), _VARIANTS)
+def _library(seed: int, folder: Path | None) -> Library:
+    shown: list[Photo] = []
+    if folder is not None:
+        shown = photographs(np.random.default_rng([seed, 9]), photograph_files(folder))
+    return Library.made(np.random.default_rng([seed, 0]), _VARIANTS, shown)
 
 
 @lru_cache(maxsize=1)
@@ -70,7 +90,7 @@ def stage_of(settings: SynthSettings, scene: int, retry: int) -> Stage:
     """Return a scene ready for rays."""
     rng = np.random.default_rng([settings.seed, 1, scene, retry])
     make = drawn(rng, settings.outdoor_share)
-    return Stage.built(rng, make(rng), _library(settings.seed))
+    return Stage.built(rng, make(rng), _library(settings.seed, settings.photographs))
 
 
 def rendered(settings: SynthSettings, index: int) -> tuple[Rendering, NDArray[np.uint8]]:
@@ -164,5 +184,5 @@ def write_images(
     Raises:
         InputError: The folder cannot be written, or holds images of other settings.
     """
-    claim(folder, {"version": VERSION, **asdict(settings)})
+    claim(folder, {"version": VERSION, **stated(settings)})
     yield from in_scenes(partial(_write_scene, settings, folder), count, processes)

@@ -1,5 +1,6 @@
 """The textures of a world: several variants of every pattern and print, and their halvings."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +9,8 @@ from numpy.typing import NDArray
 
 from flexdepth.synth.lettered import LETTERED
 from flexdepth.synth.patterns import PATTERNS, Array
-from flexdepth.synth.prints import PICTURES
+from flexdepth.synth.photographs import Photo, cuts, skies
+from flexdepth.synth.prints import PICTURES, carpet
 
 PRINTS = {**PICTURES, **LETTERED}
 """Textures with colours of their own."""
@@ -27,16 +29,27 @@ class Library:
     Attributes:
         variants: How many of each texture; variant v of texture t is layer `t * variants + v`.
         levels: Layers by rows by columns by 3, uint8; each level half the size of the one before.
+        skies: Of photographs, linear light; the last row is the horizon.
     """
 
     variants: int
     levels: tuple[NDArray[np.uint8], ...]
+    skies: tuple[Photo, ...] = ()
 
     @classmethod
-    def made(cls, rng: Generator, variants: int) -> "Library":
-        """Return a library drawn from the generator."""
+    def made(cls, rng: Generator, variants: int, photos: Sequence[Photo] = ()) -> "Library":
+        """Return a library drawn from the generator.
+
+        Given photographs, every second variant of each picture but the carpets is a part of one.
+        The rest is as it is without them.
+        """
         layers = [_shares(make(rng)) for make in PATTERNS.values() for _ in range(variants)]
         layers += [_hung(make(rng)) for make in PRINTS.values() for _ in range(variants)]
+        if photos:
+            pictures = [NAMES.index(name) for name in PICTURES if name != carpet.__name__]
+            taken = [k * variants + odd for k in pictures for odd in range(1, variants, 2)]
+            for layer, cut in zip(taken, cuts(rng, photos, len(taken)), strict=True):
+                layers[layer] = _hung(cut)
         levels = [np.asarray(layers)]
         while levels[-1].shape[1] > 1:
             fine = levels[-1].astype(np.uint16)
@@ -44,7 +57,7 @@ class Library:
                 fine[:, ::2, ::2] + fine[:, 1::2, ::2] + fine[:, ::2, 1::2] + fine[:, 1::2, 1::2]
             )
             levels.append(((halved + 2) // 4).astype(np.uint8))
-        return cls(variants, tuple(levels))
+        return cls(variants, tuple(levels), tuple(skies(photos)))
 
     def layer(self, rng: Generator, name: str) -> int:
         """Return the layer of one variant of the texture."""
@@ -99,6 +112,6 @@ def _shares(weights: Array) -> NDArray[np.uint8]:
     return np.stack([255 - some - other, some, other], -1).clip(0, 255).astype(np.uint8)
 
 
-def _hung(colours: Array) -> NDArray[np.uint8]:
+def _hung(colours: NDArray[np.floating]) -> NDArray[np.uint8]:
     """Return a print's texels, turned as walls show them: u goes left and v goes up."""
-    return (255 * np.clip(colours[::-1, ::-1], 0, 1)).round().astype(np.uint8)
+    return np.asarray((255 * np.clip(colours[::-1, ::-1], 0, 1)).round(), np.uint8)

@@ -46,7 +46,7 @@ def render(
     rays = _camera_rays(width, height, focal)
     hits, depth = _first_hits(stage, view, rays, focal)
     seen = hits.ray
-    dome = Dome.drawn(weather or rng, stage.scene)
+    dome = Dome.drawn(weather or rng, stage.scene, stage.library.skies)
     light = dome.light(rays @ view.world_from_camera.T.astype(np.float32))
     emitted, albedo = surface_colours(stage, hits)
     arriving, guide = np.zeros_like(light), np.zeros_like(light)

@@ -26,7 +26,7 @@ from flexdepth.runtime.atomic import replacing
 from flexdepth.runtime.depthmap import DepthMap, FocalSource, Intrinsics, Space
 from flexdepth.runtime.files import write_depth
 from flexdepth.synth.correspondence import Correspondence
-from flexdepth.synth.generate import VERSION, claim, in_scenes
+from flexdepth.synth.generate import VERSION, claim, in_scenes, stated
 from flexdepth.synth.sequence import (
     SEQUENCE_VERSION,
     SequenceFrame,
@@ -66,7 +66,7 @@ def write_sequences(
         {
             "version": VERSION,
             "sequence_version": SEQUENCE_VERSION,
-            **asdict(settings.world),
+            **stated(settings.world),
             "motion": json.loads(json.dumps(asdict(settings.motion))),
         },
     )
