@@ -50,6 +50,23 @@ def test_a_file_names_the_run_and_the_command_line_has_the_last_word(monkeypatch
     assert folder == Path("runs/mine")
 
 
+@pytest.mark.parametrize(("given", "patience"), [([], None), (["--loop.patience", "3"], 3)])
+def test_a_run_has_no_end_but_its_last_iteration_unless_patience_is_given(
+    given, patience, monkeypatch
+):
+    started = []
+    monkeypatch.setattr(train, "run_experiment", lambda experiment, *_: started.append(experiment))
+    assert train.run(["compact", *given]) == 0
+    assert started[0].loop.patience == patience
+
+
+def test_the_help_of_an_experiment_says_what_patience_does(capsys):
+    with pytest.raises(SystemExit):
+        train.run(["compact", "--help"])
+    page = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    assert "--loop.patience {None}|INT Validations in a row without a lower held-out error" in page
+
+
 @pytest.mark.parametrize("asked", ["--help", "-h"])
 def test_the_help_lists_the_experiments(asked, capsys):
     assert train.run([asked]) == 0

@@ -1,5 +1,8 @@
+import io
+
 import numpy as np
 import pytest
+from PIL import Image
 
 from flexdepth.data.colour import (
     CHANGES,
@@ -109,6 +112,18 @@ def test_compression_is_mild_and_local_contrast_grows():
     assert compressed(np.random.default_rng(0), image) == pytest.approx(image, abs=0.15)
     faint = 0.4 + 0.1 * picture()
     assert equalised(np.random.default_rng(0), faint).std() > faint.std()
+
+
+@pytest.mark.parametrize("colour", [(255, 0, 0), (0, 0, 255), (255, 160, 0)])
+def test_compression_is_that_of_a_photo_whatever_its_colour(colour):
+    """JPEG keeps luma sharp, of which red has .299 and blue .114; Pillow is the reference."""
+    row, column = np.mgrid[:32, :48]
+    stripes = (((row // 3 + column // 5) % 2)[..., None] * np.array(colour)).astype(np.uint8)
+    for seed in range(4):
+        quality, file = int(np.random.default_rng(seed).integers(25, 92)), io.BytesIO()
+        Image.fromarray(stripes).save(file, "JPEG", quality=quality, subsampling="4:2:0")
+        out = compressed(np.random.default_rng(seed), stripes.astype(np.float32) / 255)
+        assert 255 * out == pytest.approx(np.asarray(Image.open(file), np.float64), abs=3)
 
 
 def test_a_frame_covers_the_edges_and_nothing_else():

@@ -18,6 +18,7 @@ from flexdepth.networks.pretrained import imagenet_weights
 from flexdepth.runtime.errors import InputError
 from flexdepth.sample import Prediction
 from flexdepth.synth.generate import SynthSettings, write_images
+from flexdepth.training import loop
 from flexdepth.training.batches import BatchSettings
 from flexdepth.training.checkpoint import load, source
 from flexdepth.training.loop import LoopSettings
@@ -86,6 +87,23 @@ def test_the_same_settings_go_on_and_others_are_refused(finished, experiment):
         run_experiment(longer, finished[0], 0, lines.append)
     with pytest.raises(InputError, match=r"\(network: Compact there, AGA here\)"):
         run_experiment(replace(experiment, network=AGA()), finished[0], 0, lines.append)
+
+
+def test_a_run_that_lost_patience_says_so_and_stays_ended(experiment, tmp_path, monkeypatch):
+    monkeypatch.setattr(loop, "validate", lambda *_: dict.fromkeys(SCORES, 0.25))
+    patient = replace(experiment, loop=replace(experiment.loop, iterations=9, patience=2))
+    said = (
+        "ended early, at iteration 3 of 9: loop.patience is 2, and so many validations in a row "
+        "did not lower the held-out AbsRel, 0.2500 at best"
+    )
+    lines = []
+    run_experiment(patient, tmp_path, 0, lines.append)
+    assert lines[-1] == said
+    assert load(tmp_path / LATEST).iteration == 3
+    again = []
+    run_experiment(patient, tmp_path, 0, again.append)
+    assert again[0].startswith("resuming at iteration 3 of 9 ")
+    assert again[1:] == [said]
 
 
 def test_the_same_seed_gives_the_same_weights(finished, experiment, tmp_path):

@@ -53,7 +53,8 @@ def forked(tmp_path_factory):
     """What forked.py has left in its folder, and how many of its processes were killed.
 
     Of a network without normalisation `1-0.safetensors`, trained alone, and `2-0` and `2-1`,
-    trained by two processes; of an experiment the folders `straight`, `files` and `random`: not
+    trained by two processes, as are `still-2-0` and `still-2-1`, which learn nothing and end as
+    soon as they see it; of an experiment the folders `straight`, `files` and `random`: not
     killed, killed before and after each of the first files it writes, and at random moments;
     `spoken` is that of two processes, and `said-0.txt` and `said-1.txt` are what they said.
     """

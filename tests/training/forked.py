@@ -44,6 +44,9 @@ TOGETHER = LoopSettings(
     # Plain steps: those of AdamW do not see the gradient's length.
     optimiser=SGDPolynomial(rate=0.1, weight_decay=0.0),
 )
+STILL = replace(
+    TOGETHER, iterations=12, patience=1, optimiser=SGDPolynomial(rate=0.0, weight_decay=0.0)
+)
 INTERRUPTED = Experiment(
     network=Compact(encoder=Encoder("test_efficientnet"), widths=(8, 8, 8, 8)),
     loop=LoopSettings(
@@ -103,18 +106,18 @@ def write_pairs(root):
         write_depth(root / "depth" / f"{number}.npz", DepthMap(depth, Space.METRIC, camera), None)
 
 
-def train_two_convolutions(folder):
+def train_two_convolutions(folder, settings=TOGETHER, name=""):
     pairs, scores, seen = Folder(folder / "pairs").load(), [], []
     torch.manual_seed(0)
     with joined() as place:
-        run = Run.started(TwoConvolutions(), TOGETHER, place)
+        run = Run.started(TwoConvolutions(), settings, place)
         run.network.register_forward_pre_hook(lambda _, images: seen.append(len(images[0])))
         terms = {"silog": Term(Silog(0.5))}
         sources = Sources(pairs, pairs, 0)
-        train(run, TOGETHER, terms, sources, Silence(), lambda _, score: scores.append(score))
+        train(run, settings, terms, sources, Silence(), lambda _, score: scores.append(score))
         places = [place.rank, place.count]
         found = run.checkpoint({"scores": scores, "places": places, "seen": seen})
-        save(folder / f"{place.count}-{place.rank}.safetensors", found)
+        save(folder / f"{name}{place.count}-{place.rank}.safetensors", found)
 
 
 def train_and_say(experiment, folder):
@@ -166,6 +169,7 @@ def main():
     folder = Path(sys.argv[1])
     write_pairs(folder / "pairs")
     in_two_processes(train_two_convolutions, folder)
+    in_two_processes(train_two_convolutions, folder, STILL, "still-")
     train_two_convolutions(folder)
 
     pairs, start = Folder(folder / "pairs"), folder / "start.safetensors"

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 import torch
+from safetensors import safe_open
+from safetensors.torch import save_file
 from torch import nn
 from torch.testing import assert_close
 
@@ -12,7 +14,7 @@ from flexdepth.experiments.experiment import CODEC, Experiment
 from flexdepth.losses import Silog
 from flexdepth.runtime.errors import InputError
 from flexdepth.training import checkpoint
-from flexdepth.training.checkpoint import Checkpoint, load, restore, save, source
+from flexdepth.training.checkpoint import Checkpoint, load, progress, restore, save, source
 from flexdepth.training.loop import LoopSettings, Run
 from flexdepth.training.objective import Term
 from flexdepth.training.optimiser import AdamWCosine
@@ -27,9 +29,10 @@ RECORDED = {
 def test_a_checkpoint_comes_back_to_the_bit(tmp_path):
     path = tmp_path / "a.safetensors"
     weights = {"network.x": torch.randn(3, 2), "average.x": torch.randn(1)}
-    save(path, Checkpoint(7, {"seed": 1}, weights))
+    save(path, Checkpoint(7, {"seed": 1}, weights, errors=(0.1, 1 / 3)))
     found = load(path)
     assert (found.iteration, found.settings) == (7, {"seed": 1})
+    assert list(found.errors) == [0.1, 1 / 3]
     assert torch.equal(found.part("network")["x"], weights["network.x"])
     assert list(tmp_path.iterdir()) == [path]
 
@@ -48,6 +51,31 @@ def test_a_file_that_is_no_checkpoint_is_refused(tmp_path, content):
     path.write_bytes(content)
     with pytest.raises(InputError, match=r"a\.safetensors: not a readable safetensors file"):
         load(path)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        {"iteration": "soon"},
+        {"settings": "{"},
+        {"settings": "[1]"},
+        {"errors": "x"},
+        {"errors": "3"},
+        {"errors": '[["a"]]'},
+    ],
+    ids=str,
+)
+def test_a_checkpoint_whose_words_are_damaged_is_refused(tmp_path, words):
+    path = tmp_path / "a.safetensors"
+    save(path, Checkpoint(1, {}, {"network.x": torch.zeros(1)}))
+    with safe_open(path, "pt") as file:
+        whole = file.metadata()
+    save_file({"network.x": torch.zeros(1)}, path, metadata={**whole, **words})
+    with pytest.raises(InputError, match=r"a\.safetensors: "):
+        load(path)
+    if "errors" not in words:
+        with pytest.raises(InputError, match=r"a\.safetensors: "):
+            progress(path)
 
 
 def test_a_missing_checkpoint_is_named(tmp_path):
@@ -93,7 +121,7 @@ def test_a_checkpoint_of_an_older_version_is_read(recorded):
 def test_a_run_of_an_older_version_goes_on(recorded, network):
     run = Run.started(network, LoopSettings())
     run.resume(load(recorded), recorded.name)
-    assert run.iteration == 2
+    assert (run.iteration, run.errors) == (2, [])
     weight = torch.tensor([-0.4147762, -0.2319033, -0.3872071])
     assert_close(run.network.decoder.weight.flatten(), weight, atol=1e-7, rtol=0)
     mean = torch.tensor([0.00968045, -0.08057499, 0.02248224])

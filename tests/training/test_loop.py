@@ -67,6 +67,76 @@ def test_an_interrupted_run_ends_with_the_same_bits(pairs, network, tmp_path):
             assert torch.equal(value, wanted[name]), (part, name)
 
 
+PATIENT = replace(SETTINGS, iterations=12, save_every=1, patience=2)
+
+
+@pytest.fixture
+def found(monkeypatch):
+    """Return a function that says which errors the next validations find."""
+
+    def say(errors):
+        coming = iter(errors)
+        monkeypatch.setattr(loop, "validate", lambda *_: {"abs_rel": next(coming)})
+
+    return say
+
+
+@pytest.mark.parametrize(
+    ("errors", "patience", "ended"),
+    [
+        ([5.0, 4.0, 4.5, 4.2], 2, 4),
+        ([3.0, 3.0], 1, 2),
+        ([3.0, 2.0, 2.0, 2.0], 2, 4),
+        ([5.0, 6.0, 4.0, 4.5, 3.0, 7.0, 3.5, 3.1], 3, 8),
+        ([float("nan"), 5.0, 6.0, float("nan")], 2, 4),
+    ],
+)
+def test_a_run_ends_after_so_many_validations_without_a_lower_error(
+    pairs, network, found, errors, patience, ended
+):
+    settings, saved = replace(PATIENT, patience=patience), []
+    found(errors)
+    run = trained(
+        pairs, Run.started(network, settings), settings, lambda run, _: saved.append(run.iteration)
+    )
+    assert run.iteration == ended
+    assert saved == list(range(1, ended + 1))
+
+
+@pytest.mark.parametrize(
+    ("errors", "patience"), [([1.0] * 12, None), ([5.0, 6.0, 4.0, 5.0, 3.0, 4.0] + [2.0] * 6, 6)]
+)
+def test_a_run_without_patience_or_with_enough_of_it_has_all_its_iterations(
+    pairs, network, found, errors, patience
+):
+    settings = replace(PATIENT, patience=patience)
+    found(errors)
+    assert trained(pairs, Run.started(network, settings), settings).iteration == 12
+
+
+@pytest.mark.parametrize("stop", [1, 2, 3, 4])
+def test_an_interrupted_run_is_as_patient_as_one_that_is_not(pairs, network, found, tmp_path, stop):
+    errors, latest = [5.0, 4.0, 4.5, 4.2], tmp_path / "latest.safetensors"
+    interrupted = Run.started(copy.deepcopy(network), PATIENT)
+    found(errors)
+    straight = trained(pairs, Run.started(network, PATIENT), PATIENT)
+
+    def save_and_stop(run, _score):
+        save(latest, run.checkpoint({}))
+        if run.iteration == stop:
+            raise KeyboardInterrupt
+
+    found(errors)
+    with pytest.raises(KeyboardInterrupt):
+        trained(pairs, interrupted, PATIENT, save_and_stop)
+    resumed = Run.started(type(network)(), PATIENT)
+    resumed.resume(load(latest), latest.name)
+    trained(pairs, resumed, PATIENT)
+    assert resumed.iteration == straight.iteration == 4
+    assert resumed.errors == straight.errors == errors
+    assert torch.equal(weights(resumed), weights(straight))
+
+
 def test_only_the_named_parts_learn(pairs):
     network = nn.ModuleDict({"body": nn.BatchNorm2d(3), "head": nn.Conv2d(3, 1, 1)})
     network.forward = lambda image: Prediction(
@@ -183,6 +253,7 @@ def test_an_objective_that_is_not_finite_stops_the_run_before_the_step(pairs, ne
         ({"iterations": 0}, "whole numbers >= 1, got 0, 250 and 1"),
         ({"save_every": 0}, "whole numbers >= 1"),
         ({"accumulate": -1}, "whole numbers >= 1"),
+        ({"patience": 0}, "patience is a whole number >= 1 or none, got 0"),
         ({"average_decay": 1.0}, r"average_decay lies in \[0, 1\), got 1"),
     ],
 )

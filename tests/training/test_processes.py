@@ -46,6 +46,15 @@ def test_processes_that_share_the_judging_find_one_score(ends):
     assert first == second == pytest.approx(alone, abs=1e-5)
 
 
+def test_two_processes_lose_patience_together(forked):
+    folder, _ = forked
+    for rank in (0, 1):
+        end = load(folder / f"still-2-{rank}.safetensors")
+        assert end.iteration == 6
+        assert len(end.errors) == 2
+        assert end.errors[0] == end.errors[1]
+
+
 def test_only_the_first_of_two_processes_speaks_and_writes(forked):
     folder, _ = forked
     said = [(folder / f"said-{rank}.txt").read_text().splitlines() for rank in (0, 1)]

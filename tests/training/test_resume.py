@@ -20,6 +20,8 @@ def test_a_killed_run_ends_with_the_same_bits(forked, killed, name):
     wanted, found = load(forked[0] / "straight" / name), load(killed / name)
     assert found.iteration == wanted.iteration
     assert found.settings == wanted.settings
+    assert found.errors == wanted.errors
+    assert len(found.errors) == found.iteration // 2
     assert found.tensors.keys() == wanted.tensors.keys()
     assert any(name.startswith("optimiser.") for name in found.tensors)
     for tensor, value in wanted.tensors.items():

@@ -10,9 +10,9 @@ from typing import Annotated
 
 import tyro
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from flexdepth.cli.arguments import told_in_one_line
+from flexdepth.cli.progress import counted
 from flexdepth.runtime.errors import InputError
 from flexdepth.synth.generate import SynthSettings, write_images
 from flexdepth.synth.motion import Motion
@@ -20,11 +20,15 @@ from flexdepth.synth.sequence import SequenceSettings
 from flexdepth.synth.sequence_files import write_sequences
 from flexdepth.synth.sheet import write_image_sheet, write_sequence_sheet
 
+_LINES = 10
+"""How many lines a rendering has where there is no terminal to draw a bar on."""
+
 
 @dataclass(frozen=True)
 class Synth:
-    """Render rooms and streets with exact depth: DIR/image/NNNNNN.jpg and DIR/depth/NNNNNN.npz.
+    """Render scenes with exact depth: DIR/image/NNNNNN.jpg and DIR/depth/NNNNNN.npz.
 
+    Rooms of many kinds, streets, parks, squares, open land and things from near (docs/synth.md).
     With --frames 2 or more, sequences: DIR/NNNNNN with frames, depth, poses, flow and what moves.
     The same seed and number give the same bytes everywhere; an interrupted run goes on. In the
     end DIR/sheet.png shows some of it.
@@ -52,12 +56,8 @@ def run(arguments: Sequence[str]) -> int:
         raise InputError("what moves is asked for, but a single image shows none; give --frames 2")
     processes = settings.processes or cpu_count() or 1
     begin = time.monotonic()
-    console = Console(stderr=True)
-    columns = (TextColumn("rendering"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
-        task = bar.add_task("rendering", total=settings.count)
-        for done in _written(settings, processes):
-            bar.update(task, completed=done)
+    watched = _in_a_bar if Console(stderr=True).is_terminal else _in_lines
+    watched(_written(settings, processes), settings.count)
     single = settings.motion.frames == 1
     sheet = (write_image_sheet if single else write_sequence_sheet)(
         settings.output_dir, settings.count
@@ -68,6 +68,24 @@ def run(arguments: Sequence[str]) -> int:
         f"{settings.output_dir}: {settings.count} {what} in {seconds:.0f} s; see {sheet}\n"
     )
     return 0
+
+
+def _in_a_bar(written: Iterator[int], count: int) -> None:
+    """Let all be written, and show in a bar how much is done."""
+    with counted("rendering", count) as watch:
+        for done in written:
+            watch(done)
+
+
+def _in_lines(written: Iterator[int], count: int) -> None:
+    """Let all be written, and say now and then how much is done, where a log is kept."""
+    begin, said = time.monotonic(), 0
+    for done in written:
+        if done * _LINES // count > said:
+            said = done * _LINES // count
+            seconds = time.monotonic() - begin
+            sys.stderr.write(f"rendered {done} of {count} in {seconds:.0f} s\n")
+            sys.stderr.flush()
 
 
 def _written(settings: Synth, processes: int) -> Iterator[int]:

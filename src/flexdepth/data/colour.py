@@ -162,8 +162,11 @@ def coarsened(rng: Generator, x: Image) -> Image:
 def compressed(rng: Generator, x: Image) -> Image:
     """Return the image after JPEG."""
     quality = int(rng.integers(25, 92))
-    packed = cv2.imencode(".jpg", _eight(x), [cv2.IMWRITE_JPEG_QUALITY, quality])[1]
-    return np.asarray(cv2.imdecode(packed, cv2.IMREAD_COLOR), np.float32) / np.float32(255)
+    # OpenCV's pictures are blue, green, red, and JPEG keeps less of blue than of red.
+    shown = cv2.cvtColor(_eight(x), cv2.COLOR_RGB2BGR)
+    packed = cv2.imencode(".jpg", shown, [cv2.IMWRITE_JPEG_QUALITY, quality])[1]
+    seen = np.asarray(cv2.imdecode(packed, cv2.IMREAD_COLOR), np.float32)
+    return np.asarray(cv2.cvtColor(seen, cv2.COLOR_BGR2RGB) / np.float32(255), np.float32)
 
 
 CHANGES: tuple[tuple[float, Callable[[Generator, Image], Image]], ...] = (

@@ -153,6 +153,12 @@ def _train_in(
         save(folder / LATEST, checkpoint)
 
     train(run, experiment.loop, experiment.terms, sources, record, keep)
+    if run.iteration < experiment.loop.iterations:
+        show(
+            f"ended early, at iteration {run.iteration} of {experiment.loop.iterations}: "
+            f"loop.patience is {experiment.loop.patience}, and so many validations in a row did "
+            f"not lower the held-out AbsRel, {min(run.errors):.4f} at best"
+        )
 
 
 def _begun(

@@ -203,7 +203,7 @@ def _door(rng: Generator, front: Front) -> Parts:
 
 
 def _shop_front(rng: Generator, front: Front) -> Parts:
-    """Return shop windows with what lies behind them, signs, awnings and goods on the pavement."""
+    """Return shop windows, lit, dark or papered, signs, awnings and goods on the pavement."""
     parts: Parts = []
     shops = max(1, int(rng.integers(1, front.bays + 1)))
     span = front.width / shops

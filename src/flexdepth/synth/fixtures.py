@@ -92,9 +92,6 @@ def stairs(rng: Generator) -> Parts:
     """A flight of stairs, without a rail."""
     width, rise, run = rng.uniform((0.8, 0.15, 0.24), (1.4, 0.2, 0.32))
     count = int(rng.integers(3, 14))
-    outline = [(0.0, 0.0)]
-    for k in range(count):
-        outline += [(k * run, (k + 1) * rise), ((k + 1) * run, (k + 1) * rise)]
     steps = [
         box((0, (k + 1) * rise / 2, (k + 0.5) * run), (width, (k + 1) * rise, run))
         for k in range(count)

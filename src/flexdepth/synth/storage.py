@@ -136,7 +136,7 @@ def goods(rng: Generator) -> Parts:
 
 
 def crates(rng: Generator) -> Parts:
-    """Plastic tubs with lids, stacked, some see-through to their dark content."""
+    """Plastic tubs with lids, stacked."""
     size = rng.uniform((0.35, 0.2, 0.3), (0.6, 0.35, 0.45))
     parts: Parts = []
     for k in range(int(rng.integers(1, 5))):

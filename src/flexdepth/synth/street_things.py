@@ -73,7 +73,7 @@ def bollards(rng: Generator) -> Parts:
 
 
 def bus_stop(rng: Generator) -> Parts:
-    """A shelter of glass with a bench and a poster; open towards -z."""
+    """A roof on posts with a bench, and a poster at one end; open towards -z."""
     wide, deep, tall = rng.uniform((2.5, 1.2, 2.3), (4.5, 1.7, 2.6))
     roof = box((0, tall, 0), (wide + 0.3, 0.08, deep + 0.3))
     posts = [

@@ -220,6 +220,5 @@ NATURE: dict[str, Nature] = {
     "autumn": Nature(("foliage", "foliage", "speckled"), (0.3, 0.14, 0.03), (0.3, 1.5)),
     "blossom": Nature(("foliage", "speckled"), (0.6, 0.4, 0.45), (0.3, 1.0)),
     "lake": Nature(("mottled", "plain"), (0.02, 0.045, 0.05), (3.0, 12.0), 0.03, 0.0, 0.03),
-    "wet road": Nature(("speckled", "mottled"), (0.07, 0.07, 0.075), (1.0, 4.0), 0.025, 0.03),
 }
 """What things of nature and of the street are made of."""

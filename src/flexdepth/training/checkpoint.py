@@ -33,12 +33,14 @@ class Checkpoint:
         settings: Of the experiment, as plain values.
         tensors: By name: `network.*`, `average.*`, `optimiser.<number>.<name>`.
         source: The code that it comes from, as `source` has it; empty in old files.
+        errors: Held out, of every validation so far, in order; empty in old files.
     """
 
     iteration: int
     settings: Mapping[str, Any]
     tensors: Mapping[str, Tensor]
     source: str = ""
+    errors: Sequence[float] = ()
 
     def part(self, prefix: str) -> dict[str, Tensor]:
         """Return the tensors under `prefix.`, without it."""
@@ -53,6 +55,7 @@ def save(path: Path, checkpoint: Checkpoint) -> None:
         "iteration": str(checkpoint.iteration),
         "settings": json.dumps(checkpoint.settings),
         "source": checkpoint.source,
+        "errors": json.dumps(list(checkpoint.errors)),
     }
     tensors = {name: tensor.contiguous() for name, tensor in checkpoint.tensors.items()}
     with replacing(path) as temporary:
@@ -71,8 +74,8 @@ def load(path: Path) -> Checkpoint:
         InputError: The file is missing, is no checkpoint of flexdepth, or is of another format.
     """
     words, tensors = _read(path, with_tensors=True)
-    settings, said = json.loads(words["settings"]), words.get("source", "")
-    return Checkpoint(int(words["iteration"]), settings, tensors, said)
+    iteration, settings, errors = _parsed(path, words)
+    return Checkpoint(iteration, settings, tensors, words.get("source", ""), errors)
 
 
 def progress(path: Path) -> tuple[int, Mapping[str, Any]]:
@@ -82,8 +85,8 @@ def progress(path: Path) -> tuple[int, Mapping[str, Any]]:
         InputError: As in `load`.
     """
     words, _ = _read(path, with_tensors=False)
-    settings: Mapping[str, Any] = json.loads(words["settings"])
-    return int(words["iteration"]), settings
+    iteration, settings, _ = _parsed(path, words)
+    return iteration, settings
 
 
 def _read(path: Path, *, with_tensors: bool) -> tuple[Mapping[str, str], dict[str, Tensor]]:
@@ -102,6 +105,22 @@ def _read(path: Path, *, with_tensors: bool) -> tuple[Mapping[str, str], dict[st
             f"got format {words.get('format', 'of something else')}"
         )
     return words, tensors
+
+
+def _parsed(
+    path: Path, words: Mapping[str, str]
+) -> tuple[int, Mapping[str, Any], tuple[float, ...]]:
+    """Return the iteration, the settings and the errors that a file's words tell."""
+    try:
+        iteration, settings = int(words["iteration"]), json.loads(words["settings"])
+        errors = tuple(float(error) for error in json.loads(words.get("errors", "[]")))
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"{path}: what it says of itself is damaged ({error}); take another checkpoint"
+        ) from error
+    if not isinstance(settings, dict):
+        raise InputError(f"{path}: wanted settings by name, got {words['settings']:.40}")
+    return iteration, settings, errors
 
 
 def source() -> str:

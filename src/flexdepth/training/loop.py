@@ -10,6 +10,7 @@ processes', and terms that are a mean over the pixels or triangles of a batch.
 import copy
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from math import inf
 from typing import Any, Literal
 
 import torch
@@ -42,6 +43,9 @@ class LoopSettings:
     Attributes:
         iterations: Steps of the optimiser in the whole run.
         save_every: Iterations between checkpoints and validations.
+        patience: Validations in a row without a lower held-out error after which a run ends, if
+            any. The rate does not know of such an end: it falls towards the last of `iterations`,
+            and a run that ends before has not had its lowest rates.
         average_decay: Share of the averaged weights that stays at each iteration.
         batches: How batches are made.
         optimiser: How weights move.
@@ -55,6 +59,7 @@ class LoopSettings:
 
     iterations: int = 4000
     save_every: int = 250
+    patience: int | None = None
     average_decay: float = 0.998
     batches: BatchSettings = field(default_factory=BatchSettings)
     optimiser: Optimiser = field(default_factory=AdamWCosine)
@@ -70,6 +75,8 @@ class LoopSettings:
                 f"iterations, save_every and accumulate are whole numbers >= 1, "
                 f"got {self.iterations}, {self.save_every} and {self.accumulate}"
             )
+        if self.patience is not None and self.patience < 1:
+            raise InputError(f"patience is a whole number >= 1 or none, got {self.patience}")
         if not 0 <= self.average_decay < 1:
             raise InputError(f"average_decay lies in [0, 1), got {self.average_decay:g}")
 
@@ -84,6 +91,7 @@ class Run:
         optimiser: Of the network's weights.
         iteration: How many are done.
         place: Which of the processes this is.
+        errors: Held out, of every validation so far, in order; the same in all processes.
     """
 
     network: nn.Module
@@ -91,6 +99,7 @@ class Run:
     optimiser: Optimizer
     iteration: int
     place: Place
+    errors: list[float] = field(default_factory=list)
 
     @classmethod
     def started(cls, network: nn.Module, settings: LoopSettings, place: Place = ALONE) -> "Run":
@@ -112,7 +121,7 @@ class Run:
         restore(self.network, found.part("network"), where)
         restore(self.average, found.part("average"), where)
         restore_optimiser(self.optimiser, found.part("optimiser"))
-        self.iteration = found.iteration
+        self.iteration, self.errors = found.iteration, list(found.errors)
 
     def checkpoint(self, settings: Mapping[str, Any], source: str = "") -> Checkpoint:
         """Return everything that `resume` needs, with the code that it comes from."""
@@ -122,7 +131,15 @@ class Run:
             "optimiser": optimiser_tensors(self.optimiser),
         }
         tensors = {f"{part}.{k}": v for part, named in parts.items() for k, v in named.items()}
-        return Checkpoint(self.iteration, settings, tensors, source)
+        return Checkpoint(self.iteration, settings, tensors, source, tuple(self.errors))
+
+    def out_of_patience(self, patience: int | None) -> bool:
+        """Return whether so many validations in a row, the last among them, lowered no error."""
+        lowest, since = inf, 0
+        for error in self.errors:
+            since = 0 if error < lowest else since + 1
+            lowest = min(lowest, error)
+        return patience is not None and since >= patience
 
 
 @dataclass(frozen=True)
@@ -142,7 +159,7 @@ def train(
     record: Listener,
     save: Callable[[Run, float], None],
 ) -> None:
-    """Train from the run's iteration to the last one.
+    """Train from the run's iteration to the last one, or to the end of patience.
 
     Args:
         run: Is moved forward.
@@ -158,6 +175,8 @@ def train(
     """
     place = run.place
     check_shares(settings, place)
+    if run.out_of_patience(settings.patience):
+        return
     batches = Batches(
         sources.training, settings.batches, settings.iterations, place.rank, place.count
     )
@@ -175,7 +194,10 @@ def train(
         if run.iteration % settings.save_every == 0 or run.iteration == settings.iterations:
             scores = validate(run.average, sources.held_out, settings.alignment, place)
             record.scores(run.iteration, scores)
-            save(run, scores[SCORES[0]])
+            run.errors.append(scores[SCORES[0]])
+            save(run, run.errors[-1])
+            if run.out_of_patience(settings.patience):
+                return
 
 
 def learn(
