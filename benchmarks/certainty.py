@@ -1,6 +1,7 @@
 """Whether the model knows how far off it is, and which lens took the picture.
 
     python benchmarks/certainty.py [--model BUNDLE] [--held-out DIR] [--samples DIR] [--picture PNG]
+                                   [--strict]
 
 On rendered scenes that were not trained on (`flexdepth synth --seed 1 --count 160`): the error of a
 pixel is |log(depth / truth)| less the image's median of the logarithm, for the one factor of the
@@ -13,19 +14,24 @@ both by as much of what is allowed (5 and 3 points). The map's factor itself is 
 On real pictures with measured depth (docs/samples.md): AbsRel as `quality.py` has it, of all
 scored pixels and without the fifth of each image's that the model is least sure of, both after
 the same fit. And the field of view that the model sees where nobody tells it: the median over the
-images of the degrees by which it is off. Prints JSON.
+images of the degrees by which it is off. Prints JSON, the bars last: on both shares, and for each
+set of real pictures on how much lower AbsRel is without the least sure fifth. With --strict it
+exits with 1 where one is missed.
 """
 
 import argparse
 import json
 import os
-from collections.abc import Iterator, Sequence
+import sys
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 import matplotlib as mpl
 import numpy as np
+from bars import Bar, Limit
 from numpy.typing import NDArray
 from samples import RENDERED, SETS, Readable, SampleSet, scored_pixels
 
@@ -38,8 +44,11 @@ from flexdepth.runtime.images import Photo
 
 BESIDE_THE_REPOSITORY = Path(__file__).parents[2] / "shared" / "data"
 DROPPED = 0.2
+LOWER_BY = 0.15
+"""The part by which AbsRel has to be lower without the least sure."""
 GROUPS = 10
-WANTED = ((0.68, 0.05), (0.95, 0.03))
+HELD_OUT = "held-out scenes"
+WANTED = MappingProxyType({"within one spread": (0.68, 0.05), "within two spreads": (0.95, 0.03)})
 """The shares within one and two spreads, and by how much each may miss."""
 
 Reals = NDArray[np.float64]
@@ -93,7 +102,7 @@ def spread_factor(ratios: Reals) -> float:
     factors = np.geomspace(0.5, 2, 281)
     missed = sum(
         (np.array([(ratios <= count * factor).mean() for factor in factors]) - share) / allowed
-        for count, (share, allowed) in enumerate(WANTED, 1)
+        for count, (share, allowed) in enumerate(WANTED.values(), 1)
     )
     return float(factors[np.abs(missed).argmin()])
 
@@ -107,10 +116,9 @@ def draw(found: Foretold, path: Path) -> None:
     group = np.clip(np.searchsorted(ends, found.spreads, "right") - 1, 0, GROUPS - 1)
     middle = [np.median(found.spreads[group == k]) for k in range(GROUPS)]
     figure, axes = plt.subplots(figsize=(5, 3.6))
-    for count, (level, _) in enumerate(WANTED, 1):
+    for count, (name, (level, _)) in enumerate(WANTED.items(), 1):
         share = [(found.ratios[group == k] <= count).mean() for k in range(GROUPS)]
-        name = "one spread" if count == 1 else "two spreads"
-        (line,) = axes.plot(middle, share, "o-", label=f"within {name}")
+        (line,) = axes.plot(middle, share, "o-", label=name)
         axes.axhline(level, color=line.get_color(), linestyle=":", linewidth=1)
     axes.set(
         xscale="log", ylim=(0, 1), xlabel="predicted spread of depth", ylabel="share of pixels"
@@ -156,11 +164,23 @@ def on_real(model: str, sample_set: SampleSet, files: Sequence[Readable]) -> dic
     report = {
         "abs_rel": round(float(everything), 4),
         "without the least sure fifth": round(float(sure), 4),
-        "lower by": round(float(1 - sure / everything), 3),
+        "lower by": round(float(1 - sure / everything), 4),
     }
     if angles:
         report["field of view off by, degrees"] = round(float(np.median(angles)), 1)
     return report
+
+
+def asked(report: Mapping[str, Mapping[str, float]]) -> Iterator[Bar]:
+    """Yield the bars of what was measured; a share has one from below and one from above."""
+    for name, figures in report.items():
+        if name != HELD_OUT:
+            what = f"{name}, without the least sure fifth: AbsRel lower by"
+            yield Bar(what, figures["lower by"], Limit(">=", LOWER_BY))
+            continue
+        for what, (share, allowed) in WANTED.items():
+            yield Bar(f"{name}: {what}", figures[what], Limit(">=", share - allowed))
+            yield Bar(f"{name}: {what}", figures[what], Limit("<=", share + allowed))
 
 
 def held(samples: Path) -> Iterator[tuple[SampleSet, Sequence[Readable]]]:
@@ -170,25 +190,30 @@ def held(samples: Path) -> Iterator[tuple[SampleSet, Sequence[Readable]]]:
             yield sample_set, sample_set.load(samples)
 
 
-def main() -> None:
-    """Measure and print."""
+def main() -> int:
+    """Measure, print, return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     beside = os.environ.get("FLEXDEPTH_SAMPLES") or BESIDE_THE_REPOSITORY
     parser.add_argument("--model", default="compact", metavar="BUNDLE")
     parser.add_argument("--held-out", type=Path, default=Path("renders/heldout"))
     parser.add_argument("--samples", type=Path, default=Path(beside))
     parser.add_argument("--picture", type=Path, metavar="PNG", help="the reliability, drawn")
-    asked = parser.parse_args()
+    parser.add_argument("--strict", action="store_true", help="exit with 1 where a bar is missed")
+    options = parser.parse_args()
     report: dict[str, dict[str, float]] = {}
-    if asked.held_out.is_dir():
-        found = foretold(asked.model, asked.held_out)
-        report["held-out scenes"] = reliability(found)
-        if asked.picture:
-            draw(found, asked.picture)
-    for each, files in held(asked.samples):
-        report[each.name] = on_real(asked.model, each, files)
-    print(json.dumps(report, indent=2))
+    if options.held_out.is_dir():
+        found = foretold(options.model, options.held_out)
+        report[HELD_OUT] = reliability(found)
+        if options.picture:
+            draw(found, options.picture)
+    else:
+        print(f"skipped {HELD_OUT}: no folder {options.held_out}", file=sys.stderr)
+    for each, files in held(options.samples):
+        report[each.name] = on_real(options.model, each, files)
+    bars = list(asked(report))
+    print(json.dumps({**report, "bars": [bar.record() for bar in bars]}, indent=2))
+    return 1 if options.strict and not all(bar.met for bar in bars) else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -8,8 +8,9 @@ image, then averaged over the set; three times: fitted in disparity to 1/truth b
 squares, clipped so that depth <= cap; scaled by the ratio of the medians; and as metres, with the
 true focal length and nothing fitted. Beside them stand the best constant in hindsight, a ramp and
 the ground plane; how many times too large the metres come out; and, where the truth is dense, how
-sharp the edges are. A model is named as everywhere (docs/models.md); what its numbers do not
-allow, such as metres of affine disparity, is left out. With --rendered a folder of `flexdepth
+sharp the edges are. Last come the bars that the first model has to reach (bars.py). A model is
+named as everywhere (docs/models.md); what its numbers do not allow, such as metres of affine
+disparity, is left out, and a bar on it is missed. With --rendered a folder of `flexdepth
 synth` is scored instead; edges need images larger than the network's 384x288, where the ceiling
 is 1. docs/samples.md says where the pictures come from.
 """
@@ -24,12 +25,13 @@ from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
+from bars import asked, beside_the_blind
 from boundaries import boundaries
 from numpy.typing import NDArray
 from PIL import Image
 from samples import RENDERED, SETS, Readable, SampleSet, scored_pixels
 from scores import Fit, Predict, Result, Seen, fitted, looked_at, score_set
-from tables import markdown, text
+from tables import markdown, text, verdicts
 
 import flexdepth
 from flexdepth.runtime.depthmap import DepthMap, Space
@@ -147,7 +149,8 @@ def main() -> int:
         print(f"skipped: {options.samples} holds none of the sets of docs/samples.md")
         return 0
     models = {name: predictor(name) for name in options.model or [BUNDLED]}
-    results, edges = {}, {}
+    results: dict[str, Result] = {}
+    edges: dict[str, dict[str, float]] = {}
     for sample_set, files in sets:
         started = time.process_time()
         name, sheets = sample_set.name, options.pictures or Path()
@@ -155,12 +158,17 @@ def main() -> int:
         edges |= {name: sharp} if sharp else {}
         seconds = time.process_time() - started
         print(f"{name}: {len(files)} frames in {seconds:.0f} s of CPU time", file=sys.stderr)
+    first = next(iter(models))
+    own, blind = list(asked(results, edges, first)), list(beside_the_blind(results, first))
     if options.json:
         record = {name: asdict(result) for name, result in results.items()}
-        print(json.dumps({"sets": record, "boundary_f1": edges}, indent=2))
+        bars = [each.record() for each in (*own, *blind)]
+        print(json.dumps({"sets": record, "boundary_f1": edges, "bars": bars}, indent=2))
+    elif options.markdown:
+        print(markdown(results, edges, list(models)))
     else:
-        print((markdown if options.markdown else text)(results, edges, list(models)))
-    missed = not all(result.passed(next(iter(models))) for result in results.values())
+        print(text(results, edges, list(models)), verdicts(own, blind, first), sep="\n\n")
+    missed = not all(each.met for each in (*own, *blind))
     return 1 if options.strict and missed else 0
 
 

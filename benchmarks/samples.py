@@ -34,10 +34,6 @@ class Score:
     abs_rel: float
     delta1: float
 
-    def reaches(self, bar: "Score") -> bool:
-        """Return whether both numbers are at least as good as the bar's."""
-        return self.abs_rel <= bar.abs_rel and self.delta1 >= bar.delta1
-
     def __str__(self) -> str:
         """Return the way papers write it: .123/.456."""
         return "/".join(f"{x:.3f}".removeprefix("0") for x in (self.abs_rel, self.delta1))
@@ -115,14 +111,12 @@ class SampleSet:
         name: As the tables have it.
         cap: The farthest truth that is scored, in metres.
         load: Its pictures in the folder of all samples, or in its own.
-        bar: What the bundled model must reach, fitted in disparity; None: nothing.
         dense: Its truth is known nearly everywhere and lies where the picture's edges lie.
     """
 
     name: str
     cap: float
     load: Callable[[Path], Sequence[Readable]]
-    bar: Score | None = None
     dense: bool = False
 
 
@@ -181,7 +175,6 @@ SETS = (
             partial(Codes, steps_per_metre=1000.0, unknown=(0, 65535)),
             opencv_camera((585.0, 585.0), (320.0, 240.0)),
         ).load,
-        bar=Score(0.19, 0.64),
     ),
     SampleSet(
         "NYU",
@@ -193,7 +186,6 @@ SETS = (
             _MILLIMETRES,
             opencv_camera((518.8579, 519.46961), (325.58245, 253.73617)),
         ).load,
-        bar=Score(0.18, 0.75),
     ),
     SampleSet(
         "ICL-NUIM",
@@ -205,7 +197,6 @@ SETS = (
             _MILLIMETRES,
             opencv_camera((525.0, 525.0), (319.5, 239.5)),
         ).load,
-        bar=Score(0.10, 0.90),
         dense=True,
     ),
     SampleSet(
@@ -218,7 +209,6 @@ SETS = (
             _KITTI,
             opencv_camera((707.0493, 707.0493), (604.0814, 180.5066)),
         ).load,
-        bar=Score(0.17, 0.78),
     ),
     SampleSet("KITTI laser", ROAD, _laser),
     SampleSet(

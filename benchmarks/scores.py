@@ -56,7 +56,6 @@ class Result:
     Attributes:
         frames: How many pictures it has.
         unscored: How many of them have no depth in range.
-        bar: What the first model must reach, fitted in disparity; None: nothing.
         scores: By fit, then by who predicted. Who does not allow a fit is not there.
         enlarged: By model, how many times too large its metres are: the geometric mean over the
             images of median(depth / truth). A model without metres is not there.
@@ -64,13 +63,8 @@ class Result:
 
     frames: int
     unscored: int
-    bar: Score | None
     scores: dict[str, dict[str, Score]]
     enlarged: dict[str, float]
-
-    def passed(self, model: str) -> bool:
-        """Return whether a model reaches the bar."""
-        return self.bar is None or self.scores[Fit.DISPARITY][model].reaches(self.bar)
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +106,7 @@ def score_frame(seen: Seen, cap: float) -> dict[Fit, dict[str, Score]]:
     if not valid.any():
         return {}
     found: dict[Fit, dict[str, Score]] = {fit: {} for fit in Fit}
-    for name, prediction in (seen.maps | blind(seen.pair)).items():
+    for name, prediction in {**seen.maps, **blind(seen.pair)}.items():
         fits = (Fit.DISPARITY,) if name == CONSTANT else _FITS[prediction.space]
         for fit in fits:
             depth = fitted(prediction, fit, truth, valid, cap)
@@ -171,7 +165,6 @@ def score_set(sample_set: SampleSet, pictures: Iterator[Seen]) -> Result:
     return Result(
         frames,
         frames - len(scored),
-        sample_set.bar,
         means,
         {who: float(np.exp(np.mean(each))) for who, each in logs.items()},
     )

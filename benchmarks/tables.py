@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
+from bars import RIVALS, Bar, Limit, written
 from blind import BEST_CONSTANT, CONSTANT
 from scores import Fit, Result
 
@@ -20,9 +21,9 @@ def text(results: Mapping[str, Result], edges: Edges, models: Sequence[str]) -> 
     Args:
         results: By set.
         edges: By set.
-        models: Their names; the first one has to reach the bars.
+        models: Their names.
     """
-    blocks = [_block(results, fit, models[0]) for fit in Fit]
+    blocks = [_block(results, fit) for fit in Fit]
     sizes = {name: of.enlarged for name, of in results.items()}
     if any(sizes.values()):
         blocks.append(_plain("metres are times too large", sizes, models, "{:.2f}"))
@@ -56,6 +57,24 @@ def markdown(results: Mapping[str, Result], edges: Edges, models: Sequence[str])
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
+def verdicts(asked: Sequence[Bar], blind: Sequence[Bar], model: str) -> str:
+    """Return the bars as a list, those beside the blind as a count and as what is missed.
+
+    Args:
+        asked: Shown one by one.
+        blind: One for each figure.
+        model: Whose numbers they are.
+    """
+    names = f"{', '.join(RIVALS[:-1])} and {RIVALS[-1]}"
+    missed = [each for each in blind if not each.met]
+    better = Bar(f"figures better than {names}", len(blind) - len(missed), Limit(">=", len(blind)))
+    rows = [[f"bars for {model}", "asked", "measured", ""]]
+    for each in (*asked, better, *missed):
+        measured = "-" if each.measured is None else written(each.measured)
+        rows.append([each.name, str(each.limit), measured, "pass" if each.met else "MISS"])
+    return _lined_up(rows)
+
+
 def _whos(results: Mapping[str, Result], fit: Fit) -> list[str]:
     """Return who has a score under a fit in any set, models first."""
     found: dict[str, None] = {}
@@ -64,18 +83,15 @@ def _whos(results: Mapping[str, Result], fit: Fit) -> list[str]:
     return list(found)
 
 
-def _block(results: Mapping[str, Result], fit: Fit, first: str) -> str:
+def _block(results: Mapping[str, Result], fit: Fit) -> str:
     whos = _whos(results, fit)
     if not whos:
         raise InputError(f"nothing is scored {fit}")
-    is_barred = fit is Fit.DISPARITY
-    rows = [[f"{fit}: AbsRel/delta1", "frames", *whos, *(["bar", ""] if is_barred else [])]]
+    rows = [[f"{fit}: AbsRel/delta1", "frames", *whos]]
     for name, result in results.items():
         scores = result.scores[fit]
         row = [name, f"{result.frames - result.unscored}/{result.frames}"]
         row += [str(scores.get(who, "-")) for who in whos]
-        if is_barred and result.bar is not None:
-            row += [str(result.bar), "pass" if result.passed(first) else "MISS"]
         rows.append(row)
     return _lined_up(rows)
 
