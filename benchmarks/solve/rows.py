@@ -12,6 +12,7 @@ from pairs import Pair, flow_of
 
 import flexdepth
 from flexdepth.flow.along_lines import AlongLines
+from flexdepth.flow.frames import gray_pair
 from flexdepth.flow.matches import Akaze
 from flexdepth.runtime.depthmap import DepthMap
 from flexdepth.runtime.lens import FocalLength
@@ -114,7 +115,7 @@ def _triangulated(seen: Seen, pose: Pose) -> Array:
 
 
 def dissertation(form: Form, *, told: bool = False, without: Sequence[str] = ()) -> Row:
-    """Return chapter 5's objective.
+    """Return chapter 5's objective, which may change flow that is estimated; other flow is given.
 
     Args:
         form: As written, or corrected.
@@ -124,10 +125,12 @@ def dissertation(form: Form, *, told: bool = False, without: Sequence[str] = ())
     weights = replace(TABLE_5_1, **dict.fromkeys(without, 0.0))
 
     def row(given: Case) -> Array:
-        matches = Akaze().between(given.truth.key, given.truth.target)
+        pictures = given.truth.key, given.truth.target
+        matches = Akaze().between(*pictures)
+        frames = gray_pair(*pictures) if given.estimated else None
         start = given.pose if told else None
         settings = FirstOrder(form=form, weights=weights, start=start)
-        return first_order(given.seen, settings, Clues(matches.key, matches.target)).depth
+        return first_order(given.seen, settings, Clues(matches.key, matches.target, frames)).depth
 
     return row
 
@@ -187,6 +190,8 @@ ABLATION: Mapping[str, Row] = {
 
 FULL = "dense"
 BASELINE = "essential matrix"
+PRIOR = "prior alone"
+WITH_PRIOR = "dense with prior"
 
 
 @dataclass(frozen=True, eq=False)

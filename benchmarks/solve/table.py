@@ -1,10 +1,10 @@
 """What was measured, as one table, with the bars beside it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from rows import BASELINE, FULL
+from rows import BASELINE, FULL, PRIOR, WITH_PRIOR
 from scored_pairs import GROUPS, SHAPES, Scores
 
 _ROUNDING = 1e-9
@@ -51,26 +51,35 @@ class Verdict:
 
 
 def verdicts(lines: Sequence[Line], bars: dict[str, dict[str, float]]) -> list[Verdict]:
-    """Return how the full method stands to each bar of the flows that were run."""
-    by_name = {(line.flow, line.row): line for line in lines}
+    """Return how the full method stands to each bar whose flow and rows were run."""
     found = []
     for flow, asked in bars.items():
-        line, base = by_name.get((flow, FULL)), by_name.get((flow, BASELINE))
+        rows = {line.row: line.scores for line in lines if line.flow == flow}
         for what, bar in asked.items():
-            measured = None if line is None else _measured(what, line, base)
+            measured = _measured(what, rows)
             if measured is not None:
                 found.append(Verdict(flow, what, bar, measured))
     return found
 
 
-def _measured(what: str, line: Line, base: Line | None) -> float | None:
+def _measured(what: str, rows: Mapping[str, Scores]) -> float | None:
     group, _, kind = what.partition("_")
-    score = line.scores.get(group)
+    if kind == "of_essential":
+        return _share(group, FULL, (BASELINE,), rows)
+    if kind == "with_prior":
+        return _share(group, WITH_PRIOR, (FULL, PRIOR), rows)
+    score = rows.get(FULL, {}).get(group)
     if score is None:
         return None
-    if kind == "of_essential":
-        return None if base is None else score.abs_rel / base.scores[group].abs_rel
     return {"": score.abs_rel, "delta1": score.delta1, "coverage": score.coverage}[kind]
+
+
+def _share(group: str, row: str, others: Sequence[str], rows: Mapping[str, Scores]) -> float | None:
+    """Return a row's AbsRel as a share of the least of others; None where one of them lacks it."""
+    errors = [rows[name][group].abs_rel for name in (row, *others) if group in rows.get(name, {})]
+    if len(errors) <= len(others):
+        return None
+    return errors[0] / max(min(errors[1:]), _ROUNDING)
 
 
 def text(lines: Sequence[Line], judged: Sequence[Verdict]) -> str:
@@ -86,9 +95,9 @@ def text(lines: Sequence[Line], judged: Sequence[Verdict]) -> str:
             rows.append("")
         last = line.flow
         rows.append(_row(line))
-    rows += ["", f"bars for `{FULL}`:"]
+    rows += ["", f"bars for `{FULL}`, and for `{WITH_PRIOR}` as a share of the better one alone:"]
     for each in judged:
-        mark = "met" if each.passed else "MISSED"
+        mark = "pass" if each.passed else "MISS"
         what = f"{each.flow}: {each.what.replace('_', ' ')}"
         rows.append(f"  {what:38} {each.bar:>7.4g}  measured {each.measured:>7.4f}  {mark}")
     return "\n".join(rows)

@@ -4,10 +4,11 @@
                                           [--pairs N] [--ablation] [--kept DIR]
                                           [--json FILE] [--strict]
 
-`suite.yaml` says which pairs and which bars, `scoring.py` how depth is scored. A name may be cut
-short: `--flow exact --only dense --pairs 3`. Pairs are rendered on the first run (minutes) and kept
-in build/solve-suite. `speed_of_solving.py` measures time against size;
---ablation takes the two innovations of chapter 5 out of its objective.
+`suite.yaml` says which pairs and which bars, `scored_pairs.py` how depth is scored. A name may be
+cut short: `--flow exact --only dense --pairs 3`. Pairs are rendered on the first run (minutes) and
+kept in build/solve-suite. `speed_of_solving.py` measures time against size; --ablation takes the
+two innovations of chapter 5 out of its objective. With --strict it exits with 1 where a bar is
+missed.
 """
 
 import argparse
@@ -72,7 +73,7 @@ def main() -> int:
     parser.add_argument("--pairs", type=int, help="the first N pairs alone")
     parser.add_argument("--kept", type=Path, default=KEPT, help="where rendered pairs are")
     parser.add_argument("--json", type=Path, help="write the figures here too")
-    parser.add_argument("--strict", action="store_true")
+    parser.add_argument("--strict", action="store_true", help="exit with 1 where a bar is missed")
     asked = parser.parse_args()
     said = suite()
     try:

@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -231,16 +232,40 @@ def test_the_table_names_every_method_and_group(solve):
     assert json.dumps(solve["table"].record(lines, []))
 
 
-def test_every_row_of_the_issue_is_there_and_names_may_be_cut_short(solve):
-    rows, chosen = solve["rows"].ROWS, solve["two_frames"].chosen
-    assert chosen(list(rows), ["dense"], "row") == ["dense"]
-    assert chosen(list(rows), ["diss"], "row") == [
+ISSUED = [
+    "constant depth",
+    "essential matrix",
+    "essential, refined",
+    "dissertation, as written",
+    "as written, true motion",
+    "dissertation, corrected",
+    "corrected, true motion",
+    "regions",
+    "dense",
+    "prior alone",
+    "dense with prior",
+]
+"""The ways that the table compares, from the plainest to the fullest."""
+
+
+def test_every_row_of_the_issue_is_there(solve):
+    rows = solve["rows"]
+    assert list(rows.ROWS) == ISSUED
+    assert len(set(rows.ROWS.values())) == len(ISSUED)
+    assert (rows.FULL, rows.BASELINE) == ("dense", "essential matrix")
+
+
+def test_names_may_be_cut_short_and_keep_their_order(solve):
+    chosen = solve["two_frames"].chosen
+    assert chosen(ISSUED, ["dense"], "row") == ["dense"]
+    assert chosen(ISSUED, ["regions", "diss"], "row") == [
         "dissertation, as written",
         "dissertation, corrected",
+        "regions",
     ]
-    assert chosen(list(rows), None, "row") == list(rows)
+    assert chosen(ISSUED, None, "row") == ISSUED
     with pytest.raises(InputError, match="no row begins with 'sparse'"):
-        chosen(list(rows), ["sparse"], "row")
+        chosen(ISSUED, ["dense", "sparse"], "row")
 
 
 def test_the_line_through_the_times_is_theirs(solve):
@@ -284,3 +309,143 @@ def test_what_lies_beside_counts_neither_way(solve):
     assert found.outside == pytest.approx(100 / (10_000 - 400 - 100))
     assert found.passed
     assert not solve["real"].marked(~moving, said).passed
+
+
+def test_every_flow_asks_for_coverage_and_that_the_prior_spoils_nothing(solve):
+    said = solve["pairs"].suite()
+    assert said["bars"].keys() == said["flow"].keys()
+    for asked in said["bars"].values():
+        assert (asked["static_coverage"], asked["moving_coverage"]) == (0.95, 0.90)
+        groups = ("all", "static", "rigid", "flexible", "moving")
+        assert [asked[f"{group}_with_prior"] for group in groups] == [1.05] * 5
+
+
+def test_the_prior_is_held_to_the_better_of_both_alone(solve):
+    lines = [
+        line(solve, "dense", all=(0.1, 1.0, 1.0), moving=(0.3, 1.0, 1.0)),
+        line(solve, "prior alone", all=(0.4, 1.0, 1.0), moving=(0.19, 1.0, 1.0)),
+        line(solve, "dense with prior", all=(0.105, 1.0, 1.0), moving=(0.2, 1.0, 1.0)),
+    ]
+    bars = {"exact": {"all_with_prior": 1.05, "moving_with_prior": 1.05, "rigid_with_prior": 1.05}}
+    found = {each.what: each for each in solve["table"].verdicts(lines, bars)}
+    assert {what: each.passed for what, each in found.items()} == {
+        "all_with_prior": True,
+        "moving_with_prior": False,
+    }
+    assert found["moving_with_prior"].measured == pytest.approx(0.2 / 0.19)
+    for missing in lines:
+        assert solve["table"].verdicts([each for each in lines if each is not missing], bars) == []
+
+
+def called(monkeypatch, module, *words):
+    """The exit code of a benchmark that is called with words."""
+    monkeypatch.setattr("sys.argv", [module.__name__, *words])
+    return module.main()
+
+
+def test_the_ablation_leaves_out_each_innovation_and_both(solve, monkeypatch, pair):
+    rows, asked = solve["rows"], []
+    matches = SimpleNamespace(key=np.zeros((0, 2)), target=np.zeros((0, 2)))
+    monkeypatch.setattr(rows, "Akaze", lambda: SimpleNamespace(between=lambda *_: matches))
+
+    def first_order(_seen, settings, _clues):
+        asked.append(settings)
+        return SimpleNamespace(depth=None)
+
+    def lines(_flow, offered, *_):
+        for name, row in offered.items():
+            row(rows.case(pair, 0, 0.0))
+            yield line(solve, name)
+
+    monkeypatch.setattr(rows, "first_order", first_order)
+    monkeypatch.setattr(solve["two_frames"], "lines", lines)
+    assert called(monkeypatch, solve["two_frames"], "--ablation", "--flow", "exact") == 0
+    assert [str(each.form) for each in asked] == ["as-written"] * 4 + ["corrected"] * 4
+    weighed = [(each.weights.motion_boundaries, each.weights.synchrony) for each in asked]
+    assert weighed == [(1, 1), (0, 1), (1, 0), (0, 0)] * 2
+    assert {each.weights.dense_perspective for each in asked} == {1.0}
+
+
+@pytest.mark.parametrize("estimated", [False, True])
+def test_chapter_5_is_shown_the_frames_where_flow_comes_from_them(
+    solve, monkeypatch, pair, estimated
+):
+    rows, asked = solve["rows"], []
+    monkeypatch.setattr(
+        rows, "first_order", lambda *given: asked.append(given) or SimpleNamespace(depth=None)
+    )
+    noise = np.random.default_rng(0).integers(0, 255, (64, 80, 3)).astype(np.uint8)
+    shown = replace(pair, key=noise, target=noise, depth=np.ones((64, 80)))
+    flow = np.zeros((64, 80, 2), np.float32)
+    rows.dissertation(rows.Form.AS_WRITTEN)(
+        rows.Case(shown, flow, np.full((64, 80), 0.1, np.float32), estimated)
+    )
+    ((_, _, clues),) = asked
+    assert (clues.frames is not None) is estimated
+
+
+@pytest.mark.parametrize(("strict", "code"), [((), 0), (("--strict",), 1)])
+def test_a_missed_bar_is_said_and_fails_the_run_only_where_that_is_asked(
+    solve, monkeypatch, capsys, strict, code
+):
+    times, real, table = (solve[name] for name in ("speed_of_solving", "real", "two_frames"))
+
+    def slow(method, size):
+        # Dense is just in time at 512x218 and too large at 1024x436.
+        seconds = {(160, 120): 0.3, (512, 218): 10.0}.get(size, 1.6)
+        return times.Taken(size, method, seconds, 1.0, int(3.1e9))
+
+    def lines(*_):
+        yield line(solve, "dense", all=(0.03, 0.999, 1.0), static=(0.001, 1.0, 1.0))
+
+    def marked(*_):
+        return real.Marked({"car": 0.61, "girl": 0.59}, 0.04)
+
+    monkeypatch.setattr(times, "measured", slow)
+    monkeypatch.setattr(real, "measured", marked)
+    monkeypatch.setattr(table, "lines", lines)
+    for module, words, verdicts in (
+        (times, (), ["pass", "pass", "pass", "MISS"]),
+        (real, (), ["pass", "MISS", "pass"] * 2),
+        (table, ("--flow", "exact"), ["pass", "MISS", "pass", "pass"]),
+    ):
+        assert called(monkeypatch, module, *words, *strict) == code
+        said = [each.split()[-1] for each in capsys.readouterr().out.splitlines() if each]
+        assert [each for each in said if each in ("pass", "MISS")] == verdicts
+
+
+def test_bars_that_are_met_fail_no_run(solve, monkeypatch, capsys):
+    times, real = solve["speed_of_solving"], solve["real"]
+    # Memory that cannot be measured misses no bar.
+    monkeypatch.setattr(
+        times, "measured", lambda *asked: times.Taken(asked[1], asked[0], 0.4, 1, None)
+    )
+    monkeypatch.setattr(real, "measured", lambda *_: real.Marked({"car": 0.6}, 0.05))
+    assert called(monkeypatch, times, "--strict") == 0
+    assert called(monkeypatch, real, "--strict", "--json") == 0
+    assert "MISS" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("rotation", "direction", "verdicts"),
+    [(0.02, 0.9, ["pass", "pass"]), (0.02, 1.01, ["pass", "MISS"]), (0.06, 0.5, ["MISS", "pass"])],
+)
+def test_the_cameras_motion_is_held_to_figures_and_to_the_customary_way(
+    monkeypatch, capsys, rotation, direction, verdicts
+):
+    monkeypatch.syspath_prepend(SOLVE.parent)
+    ego = import_module("ego_motion")
+
+    def measured(_folder, _pairs, find):
+        ours = rotation, direction
+        medians = (0.059, 1.2) if find is ego.by_sift else ours
+        names = ("rotation", "direction", "worst_rotation", "worst_direction", "seconds")
+        return dict(zip(names, (*medians, 9.0, 9.0, 1.0), strict=True))
+
+    monkeypatch.setattr(ego, "measured", measured)
+    missed = "MISS" in verdicts
+    for words, code in (((), 0), (("--strict",), missed), (("--strict", "--json"), missed)):
+        assert called(monkeypatch, ego, *words) == code
+    told, _, record = capsys.readouterr().out.partition("{")
+    assert [each.split()[-1] for each in told.splitlines() if " at most " in each] == verdicts * 2
+    assert json.loads("{" + record)["passed"] is not missed

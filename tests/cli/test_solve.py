@@ -74,6 +74,22 @@ def test_two_frames_become_depth_motion_pictures_and_a_cloud(solve, files):
     assert np.median(error) < 0.03
 
 
+@pytest.mark.parametrize("way", ["--focal", "--fov", "--camera"])
+def test_the_camera_may_be_said_in_three_ways(way, solve):
+    # 48 pixels at 80 on either side of the middle; files count from the first pixel's centre.
+    Path("camera.txt").write_text("80 80 47.5 35.5")
+    said = {"--focal": 80, "--fov": np.degrees(2 * np.arctan(48 / 80)), "--camera": "camera.txt"}
+    code, _, err = solve("--flow", "a.flo", way, said[way])
+    assert code == 0
+    assert "focal length" not in err
+    depth = read_depth(Path("solution/depth.npz"))
+    camera = depth.intrinsics
+    assert (camera.focal_x, camera.focal_y) == (pytest.approx(80), pytest.approx(80))
+    assert (camera.centre_x, camera.centre_y) == (pytest.approx(48), pytest.approx(36))
+    error = np.abs(depth.depth * 0.08 / np.load("truth.npy") - 1)[depth.valid]
+    assert np.median(error) < 0.03
+
+
 def test_nothing_lies_outside_the_folder(solve):
     before = sorted(os.listdir())
     assert solve("--flow", "a.flo", "-o", "deep/er")[0] == 0

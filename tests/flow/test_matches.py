@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from flexdepth.flow.field import given
-from flexdepth.flow.matches import Akaze, Matches, agreement
+from flexdepth.flow.matches import Agreement, Akaze, Matches, agreement
 from flexdepth.runtime.errors import InputError
 
 
@@ -37,7 +37,9 @@ def test_agreement_counts_the_matches_that_end_where_the_flow_says():
     flow[0] = np.nan
     field = given(flow, (30, 20), 0.1)
     key = np.array([[5.5, 5.5], [29.9, 19.9], [10.5, 10.5], [15.5, 8.5], [3.5, 0.5]])
-    # By the flow; 2.9 px off; 3.1 px off; the other way; on unknown flow, which counts for nothing.
-    target = key + np.array([[4, 0], [6.9, 0], [4, 3.1], [-4, 0], [4, 0]])
-    assert agreement(field, Matches(key, target)) == 0.5
-    assert np.isnan(agreement(field, Matches(key[4:], target[4:])))
+    # By the flow; 1.9 px off; 2.1 px off; the other way; on unknown flow, which counts for nothing.
+    target = key + np.array([[4, 0], [5.9, 0], [4, 2.1], [-4, 0], [4, 0]])
+    assert agreement(field, Matches(key, target)) == Agreement(4, 0.5)
+    nothing = agreement(field, Matches(key[4:], target[4:]))
+    assert nothing.matches == 0
+    assert np.isnan(nothing.share)

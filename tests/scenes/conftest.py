@@ -54,6 +54,8 @@ def found():
         moving=labels == 1,
         parallax=np.full(shape, 7.0),
         residual=np.full(shape, 0.1),
+        flow=np.zeros((*shape, 2)),
+        noise=np.full(shape, 0.1),
         spread=np.full(shape, 0.05),
         unknown=unknown,
         inferred=np.zeros(shape, bool),

@@ -1,10 +1,16 @@
+from dataclasses import replace
+from types import SimpleNamespace
+
 import cv2
 import numpy as np
 import pytest
 from PIL import Image
 
+from flexdepth.flow.field import given
+from flexdepth.flow.matches import Agreement
 from flexdepth.runtime.errors import InputError
-from flexdepth.scenes.correspondence import FlowFile, RaftFlow
+from flexdepth.scenes.correspondence import FlowFile, RaftFlow, doubts
+from flexdepth.scenes.record import record
 
 
 def frames(folder):
@@ -66,3 +72,67 @@ def test_what_is_no_flow_file_is_refused(name, pair):
 def test_raft_without_weights_is_refused(pair):
     with pytest.raises(InputError, match=r"none\.pth: does not exist"):
         RaftFlow(pair / "none.pth").between(*frames(pair))
+
+
+@pytest.fixture
+def raft(monkeypatch, tmp_path):
+    """Return what makes a RAFT that says the same two ways whatever it is shown."""
+    weights = tmp_path / "raft.pth"
+    weights.write_bytes(b"read by nobody")
+
+    def saying(there, back):
+        ways = [np.full((120, 160, 2), (way, 0), np.float32) for way in (there, back)]
+        network = SimpleNamespace(both_ways=lambda *_: tuple(ways))
+        monkeypatch.setattr("flexdepth.networks.flow.Raft", lambda _weights: network)
+        return RaftFlow(weights)
+
+    return saying
+
+
+def test_flow_of_raft_is_valid_where_its_ways_agree(raft, pair):
+    key = frames(pair)[0]
+    field = raft(-4, 4).between(key, np.roll(key, -4, axis=1))
+    assert (field.flow == (-4, 0)).all()
+    assert field.valid[:, 4:].all()
+    assert not field.valid[:, :4].any()
+
+
+def test_a_cut_between_the_frames_is_said_of_rafts_flow_too(raft, pair):
+    key, target = frames(pair)
+    with pytest.raises(InputError, match=r"only 0% of the key frame is found again .* a cut"):
+        raft(20, 20).between(key, target)
+    # The ways agree, as of what a network has made up, but lead to what looks different.
+    with pytest.raises(InputError, match=r"looks different in the two frames: .* a cut"):
+        raft(0, 0).between(key, key[::-1])
+
+
+def test_flow_is_doubted_only_where_enough_matches_contradict_it():
+    (said,) = doubts(Agreement(20, 0.49))
+    assert said.startswith("only 49% of 20 points that AKAZE matches have gone where the flow says")
+    assert doubts(Agreement(20, 0.5)) == ()
+    assert doubts(Agreement(19, 0.0)) == ()
+    assert doubts(Agreement(0, float("nan"))) == ()
+
+
+@pytest.mark.parametrize("right", [True, False])
+def test_the_record_says_whether_akaze_finds_what_the_flow_says(right, pair, hills, solution):
+    views = replace(
+        solution.views, pictures=dict(zip(("key", "target"), frames(pair), strict=True))
+    )
+    flow = given(hills[1] if right else -hills[1], (160, 120), 0.1)
+    document = record(replace(solution, views=views, flow=flow), {})
+    assert document["akaze"]["matches"] >= 20
+    if right:
+        assert document["akaze"]["agree_with_flow"] > 0.9
+        assert document["warnings"] == []
+    else:
+        assert document["akaze"]["agree_with_flow"] < 0.1
+        assert "AKAZE matches" in document["warnings"][0]
+
+
+def test_frames_without_a_match_leave_the_flow_in_peace(solution):
+    ramp = np.tile(np.arange(48, dtype=np.uint8)[:, None], (36, 1, 3))
+    views = replace(solution.views, pictures={"key": ramp, "target": ramp})
+    document = record(replace(solution, views=views), {})
+    assert document["akaze"] == {"matches": 0, "agree_with_flow": None}
+    assert document["warnings"] == []

@@ -3,14 +3,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from flexdepth.flow.dis import Dis
 from flexdepth.flow.field import FlowField, given
 from flexdepth.runtime.depthmap import DepthMap, FocalSource, Intrinsics, Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.lens import FocalLength
+from flexdepth.runtime.surface import rays
+from flexdepth.scenes import origin as scene_origin
 from flexdepth.scenes import pair as scene
 from flexdepth.scenes.correspondence import FlowFile
 from flexdepth.scenes.objective import Objective
 from flexdepth.scenes.origin import origin
+from flexdepth.scenes.own_motion import turned
 from flexdepth.scenes.pair import PairSettings, solve
 from flexdepth.scenes.views import ViewFiles
 from flexdepth.scenes.words import cautions
@@ -133,6 +137,26 @@ def test_another_picture_than_the_target_is_named_where_it_cannot_be_matched(set
         scene._named("the third frame", Lost(), np.zeros(1), np.zeros(1))
 
 
+def test_what_the_solver_could_not_use_is_said(settings, monkeypatch, found):
+    noted = replace(found, notes=("the third frame adds nothing",))
+    monkeypatch.setattr(scene, "solved", lambda *_: noted)
+    assert "the third frame adds nothing" in cautions(solve(settings))
+
+
+def test_the_flow_that_is_kept_is_the_one_that_depth_and_motion_explain(settings):
+    solution = solve(replace(settings, flow=Dis()))
+    found, flow = solution.found, solution.flow
+    seen = found.valid & ~found.inferred
+    assert seen.mean() > 0.5
+    assert np.isfinite(flow.noise[seen]).all()
+    np.testing.assert_array_equal(flow.valid, np.isfinite(flow.noise))
+    here = rays(*np.nonzero(seen), solution.camera) * found.depth[seen][:, None]
+    there = turned(here, found.rotation[seen]) + found.translation[seen]
+    place = there[:, :2] / there[:, 2:] - (here / here[:, 2:])[:, :2]
+    left = np.linalg.norm(flow.flow[seen] - place * solution.camera.focal_x, axis=1)
+    np.testing.assert_allclose(found.residual[seen], left, atol=1e-3)
+
+
 def test_half_a_stereo_camera_is_refused(files):
     with pytest.raises(InputError, match="belong together"):
         PairSettings(files, baseline=0.5)
@@ -143,6 +167,22 @@ def test_half_a_stereo_camera_is_refused(files):
 def test_the_dissertations_objective_takes_two_frames(files):
     with pytest.raises(InputError, match="--objective dissertation takes two frames"):
         PairSettings(replace(files, third=files.target), objective=Objective.DISSERTATION)
+    with pytest.raises(InputError, match="takes no prior: leave --prior far seer out"):
+        PairSettings(files, prior="far seer", objective=Objective.CORRECTED)
+
+
+def test_the_dissertations_objective_opens_no_prior_and_records_none(
+    settings, files, asked, monkeypatch
+):
+    def opened(*_):
+        raise AssertionError
+
+    monkeypatch.setattr(scene_origin, "opened", opened)
+    monkeypatch.setattr(scene, "single_image_depth", opened)
+    chapter = PairSettings(files, flow=settings.flow, objective=Objective.DISSERTATION)
+    assert origin(chapter)["prior"] == "none"
+    assert solve(chapter).prior is None
+    assert asked[0].prior is None
 
 
 def test_the_origin_tells_every_setting_apart(settings, files, pair):

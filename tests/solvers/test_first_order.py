@@ -18,6 +18,7 @@ from flexdepth.solvers.dissertation import (
     Scale,
     Terms,
     View,
+    Weights,
     as_written,
     corrected,
     total,
@@ -254,12 +255,44 @@ def test_flow_as_an_unknown_goes_where_the_matches_are():
     _, flow, _ = street()
     row, column = np.mgrid[:HEIGHT, :WIDTH] + 0.5
     key = np.stack([column.ravel(), row.ravel()], -1)
-    clues = Clues(key, key + flow.reshape(-1, 2))
+    blank = np.full((HEIGHT, WIDTH), 128, np.uint8)
+    clues = Clues(key, key + flow.reshape(-1, 2), (blank, blank))
     wrong = Seen((flow + 0.5).astype(np.float32), seen().noise, CAMERA)
-    asked = FirstOrder(form=Form.CORRECTED, iterations=80, rate=0.05, refine_flow=True)
+    asked = FirstOrder(form=Form.CORRECTED, iterations=80, rate=0.05)
     (begun, first), *_, (ended, last) = descent(viewed(wrong, clues), asked)
     assert last["sparse_flow"] < 0.5 * first["sparse_flow"]
     assert (ended.flow != begun.flow).any()
+
+
+def waves(shift: float) -> np.ndarray:
+    """Return upright waves, so many pixels to the right."""
+    column = np.arange(WIDTH) + 0.5 - shift
+    return np.tile(np.rint(128 + 60 * np.sin(column / 2)).astype(np.uint8), (HEIGHT, 1))
+
+
+@pytest.mark.parametrize("form", Form)
+def test_flow_as_an_unknown_goes_where_the_frames_look_alike(form):
+    nothing = np.zeros((0, 2))
+    clues = Clues(nothing, nothing, (waves(0), waves(0.5)))
+    still = Seen(np.zeros((HEIGHT, WIDTH, 2), np.float32), seen().noise, CAMERA)
+    alone = Weights(**(dict.fromkeys(TABLE, 0.0) | {"dense_flow": 0.1}))
+    asked = FirstOrder(form=form, weights=alone, iterations=60)
+    (_, first), *_, (ended, last) = descent(viewed(still, clues), asked)
+    assert last["dense_flow"] < 0.5 * first["dense_flow"]
+    assert ended.flow[..., 0].median().item() == pytest.approx(0.5, abs=0.3)
+
+
+@pytest.mark.parametrize("form", Form)
+def test_flow_is_given_where_no_frames_tell_it(form):
+    _, flow, _ = street()
+    key = np.array([[5.5, 7.5], [20.5, 10.5]])
+    (begun, first), *_, (ended, last) = descent(
+        viewed(seen(), Clues(key, key + 1.0)), FirstOrder(form=form, iterations=3)
+    )
+    assert (ended.flow == begun.flow).all()
+    assert np.abs(ended.flow.numpy() - flow).max() < 1e-4
+    assert first["sparse_flow"] == last["sparse_flow"] > 0
+    assert first["dense_flow"] == last["dense_flow"] == 0
 
 
 @pytest.mark.parametrize(

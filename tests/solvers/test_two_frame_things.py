@@ -1,12 +1,14 @@
 """What moves by itself: its region, motion, scale, and what is said where that cannot be known."""
 
 import importlib.util
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
+from flexdepth.runtime.depthmap import FocalSource
 from flexdepth.solvers.two_frame import (
     Evidence,
     Kind,
@@ -91,6 +93,17 @@ def test_what_is_in_the_air_is_said_less_surely_than_what_stands(standing):
     assert airborne.scale_spread > 2 * found.regions[1].scale_spread
 
 
+def test_what_moves_level_tells_its_scale_to_a_camera_that_rises_though_its_foot_is_not_seen():
+    # Its foot, 1.4 below the camera at 2.5, is beneath the picture, which ends at 1.07.
+    car = Box(z=2.5, width=1.0, height=1.6)
+    seen = view(TURN, np.array([-0.1, -0.25, 0.05]), car, (0.2, 0, 0.05))
+    found = two_frame(seen.seen(), REGIONS)
+    assert seen.mover[-1].any()
+    assert (found.regions[1].kind, found.regions[1].evidence) == (Kind.RIGID, Evidence.MOTION)
+    assert abs_rel(found.depth, seen.depth, seen.mover & ~seen.hidden) < 0.03
+    assert found.regions[1].confidence > 0.5
+
+
 def test_a_car_that_keeps_to_the_epipolar_lines_is_caught_by_the_ground_it_has_sunk_into():
     # It goes three quarters of the camera's way, so that it seems to be at 16 instead of 4.
     seen = view(np.eye(3), np.array([-0.4, 0, -0.4]), Box(x=0.2), (0.3, 0, 0.3))
@@ -103,11 +116,28 @@ def test_a_car_that_keeps_to_the_epipolar_lines_is_caught_by_the_ground_it_has_s
 
 
 def test_around_the_point_that_the_camera_drives_to_there_is_no_depth():
+    # The wall, 12 m off, has .043 pixels of parallax for each pixel from the middle: less than
+    # two deviations, .2, up to 4 pixels from it; and behind the camera, below -.2, is one in 60.
     seen = view(np.eye(3), np.array([0, 0, -0.5]))
     found = two_frame(seen.seen(0.1), REGIONS)
-    middle = found.unknown[43:47, 58:62]
-    assert np.isin(middle, (Unknown.LOW_PARALLAX, Unknown.BEHIND)).mean() > 0.8
-    assert np.isnan(found.depth[found.unknown == Unknown.LOW_PARALLAX]).all()
+    assert (found.unknown[43:47, 58:62] == Unknown.LOW_PARALLAX).mean() > 0.8
+    low = found.unknown == Unknown.LOW_PARALLAX
+    assert np.isnan(found.depth[low]).all()
+    row, column = np.nonzero(low)
+    assert np.hypot(row - 44.5, column - 59.5).max() < 15
+
+
+def test_what_goes_against_the_cameras_way_is_said_to_be_behind_it():
+    seen = view(np.eye(3), np.array([0, 0, -0.5]))
+    told = seen.seen()
+    # Five pixels: too few to be a thing. What is before a camera that drives on flows outwards.
+    patch = np.s_[20, 80:85]
+    assert (told.flow[patch] * (worlds.rays()[patch][..., :2])).sum(-1).min() > 0
+    told.flow[patch] *= -1
+    found = two_frame(told, REGIONS)
+    assert (found.unknown[patch] == Unknown.BEHIND).all()
+    assert np.isnan(found.depth[patch]).all()
+    assert (found.unknown == Unknown.BEHIND).sum() == 5
 
 
 def test_a_third_frame_halves_the_error_of_what_the_target_hides():
@@ -135,6 +165,38 @@ def test_stereo_fixes_every_scale_in_metres(step):
     assert found.regions[1].evidence is Evidence.STEREO
     both = ~seen.hidden & ~right.hidden
     assert np.median(np.abs(found.depth[both] / seen.depth[both] - 1)) < 0.02
+
+
+def few(seen):
+    """Return flow of 4 pixels: too few to tell a factor."""
+    flow = np.full(seen.flow.shape, np.nan, np.float32)
+    flow[10:12, 10:12] = seen.flow[10:12, 10:12]
+    return flow
+
+
+def test_stereo_that_hardly_sees_the_static_world_gives_no_metres_and_says_so(standing):
+    seen, alone = standing
+    right = view(np.eye(3), np.array([-0.5, 0, 0]), Box())
+    stereo = Stereo(few(right), np.full(seen.depth.shape, 0.05, np.float32), 0.5)
+    found = two_frame(seen.seen(stereo=stereo), REGIONS)
+    assert not found.metric
+    np.testing.assert_array_equal(found.depth, alone.depth)
+    np.testing.assert_array_equal(found.translation, alone.translation)
+    (line,) = found.notes
+    assert line.startswith("the right picture adds nothing: ")
+
+
+def test_stereo_of_a_camera_that_stays_needs_no_factor_but_a_disparity():
+    seen = view(TURN, np.zeros(3))
+    right = view(np.eye(3), np.array([-0.5, 0, 0]))
+    noise = np.full(seen.depth.shape, 0.05, np.float32)
+    found = two_frame(seen.seen(stereo=Stereo(few(right), noise, 0.5)), REGIONS)
+    assert found.metric
+    np.testing.assert_allclose(found.depth[10:12, 10:12], worlds.WALL, rtol=0.02)
+    nothing = np.full(right.flow.shape, np.nan, np.float32)
+    found = two_frame(seen.seen(stereo=Stereo(nothing, noise, 0.5)), REGIONS)
+    assert not found.metric
+    assert len(found.notes) == 1
 
 
 def bumpy(seen, factor=3.0):
@@ -165,6 +227,30 @@ def test_a_prior_in_metres_gives_metres_where_the_focal_length_is_known():
     np.testing.assert_allclose(
         found.translation[still], np.broadcast_to(STEP, (still.sum(), 3)), rtol=0.03
     )
+
+
+@pytest.mark.parametrize("source", FocalSource)
+def test_a_prior_gives_metres_only_where_somebody_knows_the_focal_length(source):
+    seen = view(TURN, STEP)
+    prior = Prior(seen.depth, np.full(seen.depth.shape, 0.1), True)
+    shown = seen.seen(prior=prior)
+    found = two_frame(replace(shown, camera=replace(shown.camera, source=source)), REGIONS)
+    assert found.metric is (source in (FocalSource.EXIF, FocalSource.GIVEN))
+    way = 1.0 if found.metric else np.linalg.norm(STEP)
+    np.testing.assert_allclose(np.median(found.depth / seen.depth) * way, 1, rtol=0.02)
+
+
+def test_a_prior_that_nothing_ties_to_the_cameras_way_gives_no_metres_and_no_depth(standing):
+    seen, alone = standing
+    depth = np.full(seen.depth.shape, np.nan)
+    depth[10:12, 10:12] = seen.depth[10:12, 10:12]
+    prior = Prior(depth, np.full(depth.shape, 0.01), True)
+    found = two_frame(seen.seen(prior=prior), REGIONS)
+    assert not found.metric
+    assert found.prior_share.max() == 0
+    np.testing.assert_allclose(found.depth, alone.depth, rtol=1e-9)
+    (line,) = found.notes
+    assert line.startswith("the single-image depth is left out: ")
 
 
 def test_where_the_camera_has_stayed_all_depth_is_the_priors():

@@ -63,21 +63,7 @@ class Dis:
         words = census(one), census(other)
         there = self._flow((one, other), words)
         back = self._flow((other, one), words[::-1])
-        found = checked(there, back, _UNDERSTATEMENT, _FLOOR)
-        if found.coverage < _ENOUGH:
-            raise InputError(
-                f"only {found.coverage:.0%} of the key frame is found again in the target and "
-                f"back, {_ENOUGH:.0%} are wanted; is there a cut between them? take frames that "
-                "see the same scene, closer in time"
-            )
-        alike = likeness(one, other, found)
-        if not alike >= _ALIKE:  # NaN where nothing that is matched has texture.
-            raise InputError(
-                f"what is matched looks different in the two frames: its grays correlate by "
-                f"{alike:.2f}, {_ALIKE} is wanted; is there a cut between them? take frames "
-                "that see the same scene"
-            )
-        return found
+        return without_cut(one, other, checked(there, back, _UNDERSTATEMENT, _FLOOR))
 
     def _flow(self, frames: tuple[Image, Image], words: tuple[Words, Words]) -> Flow:
         nothing = np.zeros((*frames[0].shape, 2), np.float32)
@@ -94,3 +80,30 @@ class Dis:
         search.setFinestScale(self.finest)
         search.setVariationalRefinementIterations(self.refinements)
         return search
+
+
+def without_cut(key: Image, target: Image, found: FlowField) -> FlowField:
+    """Return the flow as it is, where it does not look as if there were a cut between the frames.
+
+    Args:
+        key: Gray.
+        target: Gray.
+        found: From key to target, by whatever method that matches both ways.
+
+    Raises:
+        InputError: Hardly anything is found again, or what is looks different.
+    """
+    if found.coverage < _ENOUGH:
+        raise InputError(
+            f"only {found.coverage:.0%} of the key frame is found again in the target and "
+            f"back, {_ENOUGH:.0%} are wanted; is there a cut between them? take frames that "
+            "see the same scene, closer in time"
+        )
+    alike = likeness(key, target, found)
+    if not alike >= _ALIKE:  # NaN where nothing that is matched has texture.
+        raise InputError(
+            f"what is matched looks different in the two frames: its grays correlate by "
+            f"{alike:.2f}, {_ALIKE} is wanted; is there a cut between them? take frames "
+            "that see the same scene"
+        )
+    return found

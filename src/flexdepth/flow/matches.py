@@ -1,4 +1,4 @@
-"""Sparse matches: the term of chapter 5 that dense flow is checked against and seeded from.
+"""Sparse matches: the term of chapter 5, against which dense flow is checked.
 
 References:
     Alcantarilla, Nuevo and Bartoli, Fast explicit diffusion for accelerated features in nonlinear
@@ -73,8 +73,21 @@ class Akaze:
         return Matches(ends[:, 0], ends[:, 1])
 
 
-def agreement(field: FlowField, matches: Matches, within: float = 3.0) -> float:
-    """Return the share of the matches on valid flow that end where the flow says; NaN if none.
+@dataclass(frozen=True)
+class Agreement:
+    """How far sparse matches bear dense flow out.
+
+    Attributes:
+        matches: How many begin on valid flow.
+        share: Of these, what ends where the flow says; NaN if there are none.
+    """
+
+    matches: int
+    share: float
+
+
+def agreement(field: FlowField, matches: Matches, within: float = 2.0) -> Agreement:
+    """Return how many of the matches on valid flow end where the flow says.
 
     The two are found by different means from different traits of the frames: where they agree on
     little, as across a cut, one of them is wrong.
@@ -89,4 +102,4 @@ def agreement(field: FlowField, matches: Matches, within: float = 3.0) -> float:
     valid = field.valid[row, column]
     shift = (matches.target - matches.key)[valid]
     off = np.linalg.norm(field.flow[row, column][valid] - shift, axis=1)
-    return float((off <= within).mean()) if len(off) else float("nan")
+    return Agreement(len(off), float((off <= within).mean()) if len(off) else float("nan"))

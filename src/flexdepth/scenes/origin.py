@@ -22,8 +22,8 @@ def origin(settings: PairSettings) -> Origin:
         "camera": digest(camera) if isinstance(camera, Path) else str(camera or "the frames' own"),
         "flow": _flow(settings.flow),
         "prior": "none"
-        if settings.prior is None
-        else f"sha256:{opened(settings.prior).about.digest}",
+        if settings.model is None
+        else f"sha256:{opened(settings.model).about.digest}",
         "baseline": str(settings.baseline),
         "objective": str(settings.objective),
         "long_side": str(settings.long_side),

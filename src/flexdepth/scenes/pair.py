@@ -33,7 +33,8 @@ class PairSettings:
         camera: What is known of it: a length, an angle or a file; None leaves it to the photos.
         flow: How key and target are matched; a third frame and the right picture too, unless it
             is a file, which is of key and target alone.
-        prior: A model by its name (`runtime.named`), or None for geometry alone.
+        prior: A model by its name (`runtime.named`), or None for geometry alone, as is chapter
+            5's objective.
         baseline: Metres between the key picture and that of the right camera.
         objective: What is minimised.
         long_side: Pixels; larger frames are made so small.
@@ -58,8 +59,17 @@ class PairSettings:
             raise InputError(
                 f"--objective {self.objective} takes two frames: leave --third and --stereo out"
             )
+        if self.objective.is_the_dissertations and self.prior not in (None, BUNDLED):
+            raise InputError(
+                f"--objective {self.objective} takes no prior: leave --prior {self.prior} out"
+            )
         if self.baseline is not None and not 0 < self.baseline < np.inf:
             raise InputError(f"--baseline: wanted metres, above 0, got {self.baseline:g}")
+
+    @property
+    def model(self) -> str | Path | None:
+        """The prior that is asked: none by chapter 5's objective."""
+        return None if self.objective.is_the_dissertations else self.prior
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,11 +78,11 @@ class Solution:
 
     Attributes:
         views: The pictures, at the size that was solved.
-        flow: From key to target.
+        flow: From key to target, as it was used: with what a second look has found.
         prior: Depth from the key frame alone; None where it was not asked.
         found: Depth and motion of every pixel.
         model: Who made the depth, for its file.
-        warnings: What was noticed of the input, one line each.
+        warnings: What was noticed of the input and of its use, one line each.
     """
 
     views: Views
@@ -126,9 +136,9 @@ def solve(settings: PairSettings, say: Callable[[str], None] = lambda _step: Non
         method, others = replace(method, reduced=views.reduced), Dis()
     flow = method.between(pictures["key"], pictures["target"])
     prior, licence = None, tuple[str, ...]()
-    if settings.prior is not None and not settings.objective.is_the_dissertations:
+    if settings.model is not None:
         say("looking at the key frame alone")
-        prior, licence = single_image_depth(settings.prior, pictures["key"], views.camera)
+        prior, licence = single_image_depth(settings.model, pictures["key"], views.camera)
         views = _own_camera(views, prior)
     more = _more_views(settings, pictures, others, say)
     seen = Seen(
@@ -148,8 +158,13 @@ def solve(settings: PairSettings, say: Callable[[str], None] = lambda _step: Non
     model = f"flexdepth solve ({settings.objective})"
     if prior is not None:
         model += f", {prior.model}"
-    notes = (*views.warnings, *more.notes, *licence)
-    return Solution(views, flow, prior, found, model, notes)
+    notes = (*views.warnings, *more.notes, *licence, *found.notes)
+    return Solution(views, _used(found), prior, found, model, notes)
+
+
+def _used(found: TwoFrame) -> FlowField:
+    noise = found.noise.astype(np.float32)
+    return FlowField(found.flow.astype(np.float32), np.isfinite(noise), noise)
 
 
 @dataclass(frozen=True, eq=False)

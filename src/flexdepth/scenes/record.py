@@ -8,8 +8,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdepth.flow.matches import Agreement, Akaze, agreement
 from flexdepth.runtime.formats.meaning import Meaning, plain
 from flexdepth.runtime.origin import Origin
+from flexdepth.scenes.correspondence import doubts
 from flexdepth.scenes.pair import Solution
 from flexdepth.scenes.words import cautions, position, summary
 from flexdepth.solvers.pose import Pose, angle
@@ -36,8 +38,8 @@ ARRAYS = {
         "confidence": "of the scale of its part beside what is static, 0 to 1",
         "parallax": "pixels along the epipolar line",
         "residual": "pixels between the flow and what depth and motion say",
-        "flow": "from key to target, pixels right and down; NaN unknown",
-        "flow_noise": "its standard deviation, pixels; NaN not to be trusted",
+        "flow": "from key to target as it was used, pixels right and down; NaN unknown",
+        "flow_noise": "its standard deviation, pixels; NaN not trusted",
         "prior_share": "how much of the depth is the single-image depth's, 0 to 1",
     },
 }
@@ -50,6 +52,8 @@ def record(solution: Solution, origin: Origin) -> dict[str, object]:
     meaning = Meaning.of(depth, plain(depth.space), origin).record()
     shares = np.bincount(found.unknown.ravel(), minlength=len(Unknown)) / found.unknown.size
     width, height = solution.views.size
+    key, target = (solution.views.pictures[name] for name in ("key", "target"))
+    borne_out = agreement(solution.flow, Akaze().between(key, target))
     return {
         "version": VERSION,
         "flexdepth": version("flexdepth"),
@@ -69,12 +73,13 @@ def record(solution: Solution, origin: Origin) -> dict[str, object]:
             "residual": _median(found.residual),
             "flow_noise": _median(solution.flow.noise),
         },
+        "akaze": _akaze(borne_out),
         "prior_share": None if found.prior_share is None else _mean(found.prior_share),
         "prior": None if solution.prior is None else solution.prior.model,
         "summary": summary(solution),
         "arrays": ARRAYS,
         "unknown_codes": {reason.name.lower(): int(reason) for reason in Unknown},
-        "warnings": cautions(solution),
+        "warnings": [*cautions(solution), *doubts(borne_out)],
         "origin": dict(origin),
     }
 
@@ -90,6 +95,11 @@ def _camera_motion(found: TwoFrame) -> Mapping[str, object]:
         "inliers": motion.inliers,
         "noise_factor": motion.noise_factor,
     }
+
+
+def _akaze(borne_out: Agreement) -> Mapping[str, object]:
+    share = round(borne_out.share, 6) if borne_out.matches else None
+    return {"matches": borne_out.matches, "agree_with_flow": share}
 
 
 def _pose(pose: Pose) -> Mapping[str, object]:

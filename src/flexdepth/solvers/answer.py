@@ -92,12 +92,16 @@ class TwoFrame:
         moving: Whether the pixel moves by itself.
         parallax: Pixels along the epipolar line of its region's motion; NaN without flow.
         residual: Pixels between the flow and what depth and motion say; NaN without flow.
+        flow: The flow that was used, x 2, pixels: what a second look at the pictures found where
+            that stands still, else as it was seen; NaN is unknown.
+        noise: Its standard deviation, pixels; NaN where it was not trusted.
         spread: Relative standard deviation of depth; +inf where it is not known.
         unknown: `Unknown`: 0 where depth is known.
         inferred: Whether depth is not seen, but lies in the plane of what looks the same around it.
         camera_motion: The camera's own.
         prior_share: How much of the depth is the prior's, 0 to 1; None without one.
         metric: Whether depth and translation are in metres.
+        notes: What was given and adds nothing, and why, one line each.
     """
 
     depth: Array
@@ -108,12 +112,15 @@ class TwoFrame:
     moving: NDArray[np.bool_]
     parallax: Array
     residual: Array
+    flow: Array
+    noise: Array
     spread: Array
     unknown: NDArray[np.uint8]
     inferred: NDArray[np.bool_]
     camera_motion: CameraMotion
     prior_share: Array | None
     metric: bool
+    notes: tuple[str, ...] = ()
 
     @property
     def valid(self) -> NDArray[np.bool_]:

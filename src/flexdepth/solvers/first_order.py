@@ -56,8 +56,6 @@ class FirstOrder:
         depths: The least and the largest depth, metres, that the form as written is held to.
         start: The camera's motion `target_from_key` that all pixels begin with; None begins at no
             rotation and small random translations.
-        refine_flow: Whether the flow is an unknown too: then its terms, which matches and frames
-            feed, can change it. As in Fig. 5.3, it is given by default.
         seed: Of what is random.
     """
 
@@ -68,7 +66,6 @@ class FirstOrder:
     quantile: float = 0.9
     depths: tuple[float, float] = (0.5, 80.0)
     start: Pose | None = None
-    refine_flow: bool = False
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -99,7 +96,8 @@ class Clues:
     Attributes:
         key: Matched points of the key frame, m x 2, pixels; the first pixel's centre is 0.5.
         target: The same points in the target.
-        frames: Key and target in gray, height x width, 0 to 255; None where they are not known.
+        frames: Key and target in gray, height x width, 0 to 255: with them flow is an unknown too,
+            which begins as it is given. Without them (None) it stays so.
     """
 
     key: Array
@@ -114,6 +112,10 @@ def first_order(
 
     The objective knows no doubt: depth is said wherever flow is trusted, its spread is unknown, and
     there is one region. Translation and depth are scaled so that the median translation is 1.
+
+    Flow is sought as well where the clues have frames, as in Fig. 5.4. Else it is given, as in
+    Fig. 5.3: nothing but geometry would tell it between the matches, and geometry is sought itself.
+    Then its two terms are constant.
 
     Raises:
         InputError: Fewer than 16 pixels have flow that is to be trusted.
@@ -131,7 +133,7 @@ def descent(view: View, settings: FirstOrder) -> Iterator[tuple[Fields, Terms]]:
     if settings.form is Form.CORRECTED:
         weights = replace(weights, depth_scale=0.0)
     unknowns = _start(view, settings, scale)
-    free = unknowns if settings.refine_flow else unknowns[:3]
+    free = unknowns[:3] if view.frames is None else unknowns
     optimiser = torch.optim.Adam([each.requires_grad_() for each in free], lr=settings.rate)
     decay = torch.optim.lr_scheduler.LinearLR(
         optimiser, 1.0, 0.0, total_iters=max(settings.iterations, 1)
@@ -225,6 +227,8 @@ def _answer(seen: Seen, view: View, fields: Fields) -> TwoFrame:
         moving=(_own_motion(view, depth, n, t) > _OWN).numpy(),
         parallax=known(norm(flow - turning)),
         residual=known(norm(flow - view.flow)),
+        flow=np.where(seen.known[..., None], seen.flow, np.nan).astype(np.float64),
+        noise=np.where(seen.trusted, seen.noise, np.nan).astype(np.float64),
         spread=np.full(shape, np.inf),
         unknown=np.select(
             [~seen.known, ~seen.trusted], [Unknown.NO_FLOW, Unknown.OCCLUDED], Unknown.KNOWN

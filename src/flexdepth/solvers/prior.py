@@ -10,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdepth.runtime.depthmap import FocalSource
 from flexdepth.solvers.answer import Evidence, Region
 from flexdepth.solvers.fusion import common_factor, fused
 from flexdepth.solvers.seen import Prior, Seen
@@ -33,6 +32,11 @@ _NEAR = 1 / 3
 _INDEPENDENT = 10.0
 """As many deviations of the prior from what geometry sees `common_factor` takes to be its own."""
 
+_UNTIED = (
+    "the single-image depth is left out: too little of what is still has depth both in it and by "
+    "the frames to tell its unit in theirs"
+)
+
 
 def with_prior(world: World, seen: Seen, prior: Prior) -> World:
     """Return the world with the prior's part in it.
@@ -40,7 +44,8 @@ def with_prior(world: World, seen: Seen, prior: Prior) -> World:
     How far the prior's shapes err is measured where geometry sees them, if that is more than it
     says: it is to help where geometry does not see, and not to spoil what it does.
 
-    Where the camera has stayed, all depth is the prior's, in its own unit.
+    Where the camera has stayed, all depth is the prior's, in its own unit. Where it has not, and
+    nothing tells that unit in the camera's way, the prior tells of sky alone.
     """
     depth = np.asarray(prior.depth, np.float64)
     sky = np.isposinf(depth) & (world.labels == 0) & ~(world.shape_spread < _NEAR)
@@ -51,6 +56,9 @@ def with_prior(world: World, seen: Seen, prior: Prior) -> World:
     found = common_factor(
         said, own, (world.labels == 0) / np.maximum(world.shape_spread, 0.02) ** 2
     )
+    if found is None and (world.metric or world.camera.translates):
+        said[:] = np.nan
+        world = world.noted(_UNTIED)
     unit = 1.0 if found is None else found[0]
     strays = 0.0 if found is None else found[1] * np.sqrt(_INDEPENDENT)
     inverse, spread = np.full(said.shape, np.nan), np.full(said.shape, np.inf)
@@ -69,7 +77,8 @@ def with_prior(world: World, seen: Seen, prior: Prior) -> World:
         translation[inside] /= scale
         regions.append(told)
     inverse[sky], spread[sky], share[sky] = 0.0, 0.0, 1.0
-    metric = world.metric or (prior.metric and seen.camera.source is not FocalSource.ASSUMED)
+    tied = found is not None or not world.camera.translates
+    metric = world.metric or (prior.metric and seen.camera.source.is_known and tied)
     metres = unit if metric and not world.metric else 1.0
     return replace(
         world,

@@ -23,15 +23,17 @@ def with_stereo(world: World, seen: Seen, stereo: Stereo) -> World:
     """Return the world in metres: each region's scale is that of its disparity.
 
     Depth is the mean of what motion and disparity say, weighted by their certainty; where the
-    camera has stayed or the target hides a pixel it is the disparity's.
+    camera has stayed or the target hides a pixel it is the disparity's. Where disparity does not
+    tell the camera's way in metres, the world is as it was.
     """
     inverse, spread = _disparity(seen, stereo)
+    if not _tied(world, inverse, spread):
+        return world.noted(_UNTIED)
     scaled, translation = world.inverse_depth.copy(), world.translation.copy()
     regions: list[Region] = []
     for region in world.regions:
         inside = world.labels == region.label
-        certain = np.where(inside & np.isfinite(spread), 1 / np.maximum(spread, 1e-4) ** 2, 0.0)
-        found = common_factor(world.inverse_depth, inverse, certain)
+        found = common_factor(world.inverse_depth, inverse, _certain(inside, spread))
         if found is not None:
             scaled[inside] *= found[0]
             translation[inside] /= found[0]
@@ -39,7 +41,7 @@ def with_stereo(world: World, seen: Seen, stereo: Stereo) -> World:
                 region = replace(  # noqa: PLW2901 (the region as it now is)
                     region, evidence=Evidence.STEREO, confidence=1.0, scale_spread=found[1]
                 )
-        elif not world.camera.translates or region.label > 0:
+        else:
             scaled[inside] = np.nan
         regions.append(region)
     own = np.hypot(world.shape_spread, _MODEL)
@@ -56,6 +58,22 @@ def with_stereo(world: World, seen: Seen, stereo: Stereo) -> World:
 
 _MODEL = 0.01
 """What a region's motion errs by beside noise: bending things more, but stereo sees these."""
+
+_UNTIED = (
+    "the right picture adds nothing: too little of what is still is found in it to tell metres"
+)
+
+
+def _tied(world: World, inverse: Array, spread: Array) -> bool:
+    """Return whether disparity tells metres: of the camera's way, or alone if that is none."""
+    if not world.camera.translates:
+        return bool(np.isfinite(inverse).any())
+    certain = _certain(world.labels == 0, spread)
+    return common_factor(world.inverse_depth, inverse, certain) is not None
+
+
+def _certain(inside: NDArray[np.bool_], spread: Array) -> Array:
+    return np.where(inside & np.isfinite(spread), 1 / np.maximum(spread, 1e-4) ** 2, 0.0)
 
 
 def _disparity(seen: Seen, stereo: Stereo) -> tuple[Array, Array]:

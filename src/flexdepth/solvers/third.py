@@ -11,7 +11,6 @@ from flexdepth.solvers.fusion import common_factor, fused
 from flexdepth.solvers.region_motion import region_motion
 from flexdepth.solvers.seen import Seen, ThirdFrame
 from flexdepth.solvers.sight import Sight
-from flexdepth.solvers.two_view import Along
 from flexdepth.solvers.world import World, along_of, sight_of
 
 Array = NDArray[np.float64]
@@ -19,23 +18,33 @@ Array = NDArray[np.float64]
 _OFF = 3.0
 """Standard deviations off the camera's epipolar lines up to which a hidden pixel is still."""
 
+_LEAST_STILL = 0.05
+"""The share of the frame that has to be still and found again to tell the camera's motion."""
+
 _FEWEST = 12
+
+_NOTHING = "the third frame adds nothing: "
 
 
 def with_third(world: World, seen: Seen, third: ThirdFrame) -> World:
     """Return the world with the depth that the third frame adds.
 
     Where the target hides a pixel, or both frames show it, the third frame's depth counts by its
-    certainty; where both show it and disagree, the one that leaves less off its epipolar line
-    stands alone (the smaller of two residuals, after Godard et al., ICCV 2019).
+    certainty. Where both show it and disagree, one stands alone: of what is still, that which
+    leaves less off its epipolar line in its own noise (the smaller of two residuals, after Godard
+    et al., ICCV 2019); of what moves by itself, which keeps to no such line, the more certain one.
     """
     other = Seen(third.flow, third.noise, seen.camera)
     still = other.trusted & (world.labels == 0)
-    if not world.camera.translates or still.sum() < 0.05 * still.size:
-        return world
+    if not world.camera.translates:
+        return world.noted(
+            _NOTHING + "the camera has not travelled from the key frame to the target"
+        )
+    if still.sum() < _LEAST_STILL * still.size:
+        return world.noted(_NOTHING + "too little of what is still is found in it")
     camera = camera_motion(from_flow(third.flow, still, third.noise, seen.camera))
     if not camera.translates:
-        return world
+        return world.noted(_NOTHING + "the camera has not travelled from the key frame to it")
     sight = replace(sight_of(other), down=world.sight.down)
     along = along_of(sight, camera)
     noise = sight.noise * camera.noise_factor
@@ -52,8 +61,11 @@ def with_third(world: World, seen: Seen, third: ThirdFrame) -> World:
         inside = labels == label
         found = common_factor(inverse, world.inverse_depth, inside / np.maximum(spread, 1e-4) ** 2)
         inverse[inside] *= np.nan if found is None else found[0]
+    if not np.isfinite(inverse).any():
+        return world.noted(_NOTHING + "too little has depth both in it and in the target")
     spread = np.where(np.isfinite(inverse), np.hypot(spread, _MODEL), np.inf)
-    return _joined(replace(world, labels=labels), (inverse, spread), along)
+    off = np.abs(along.across) / noise
+    return _joined(replace(world, labels=labels), (inverse, spread), off)
 
 
 _MODEL = 0.01
@@ -66,7 +78,14 @@ def _labels(world: World, sight: Sight, still: NDArray[np.bool_]) -> NDArray[np.
     return np.where(hidden & still, 0, world.labels).astype(np.int32)
 
 
-def _joined(world: World, third: tuple[Array, Array], along: Along) -> World:
+def _joined(world: World, third: tuple[Array, Array], off: Array) -> World:
+    """Return the world with the third frame's depths in it.
+
+    Args:
+        world: As the target shows it.
+        third: Inverse depth and its relative standard deviation, as the third frame shows it.
+        off: Standard deviations of its flow off the camera's epipolar lines.
+    """
     trusted = world.sight.trusted
     own = np.where(trusted, world.inverse_depth, np.nan)
     spread = np.where(np.isfinite(own) & (own > 0), world.shape_spread, np.inf)
@@ -74,7 +93,9 @@ def _joined(world: World, third: tuple[Array, Array], along: Along) -> World:
     both = np.isfinite(spread) & np.isfinite(third[1])
     with np.errstate(invalid="ignore", divide="ignore"):
         apart = np.abs(np.log(third[0] / own)) > 3 * np.hypot(spread, third[1]) + 0.01
-    first = np.abs(along_of(world.sight, world.camera).across) <= np.abs(along.across)
+    across = np.abs(along_of(world.sight, world.camera).across)
+    nearer = across / (world.sight.noise * world.camera.noise_factor) <= off
+    first = np.where(world.labels == 0, nearer, spread <= third[1])
     for at, (depth, certain) in (
         (both & apart & first, (own, spread)),
         (both & apart & ~first, third),

@@ -28,7 +28,7 @@ def answer(world: World, seen: Seen, clear: float) -> TwoFrame:
     unknown = _reasons(world, seen, parallax < -clear * sight.noise * world.camera.noise_factor)
     known = unknown == Unknown.KNOWN
     scales = np.array([region.scale_spread for region in world.regions])[world.labels]
-    nothing = np.where(seen.known, 0.0, np.nan)
+    nothing = np.where(seen.known | sight.trusted, 0.0, np.nan)
     depth = np.where(known, 1 / np.where(known, inverse, 1.0), np.nan)
     return TwoFrame(
         depth=np.where(unknown == Unknown.SKY, np.inf, depth),
@@ -39,12 +39,15 @@ def answer(world: World, seen: Seen, clear: float) -> TwoFrame:
         moving=~static,
         parallax=parallax + nothing,
         residual=residual + nothing,
+        flow=sight.flow + nothing[..., None],
+        noise=np.where(sight.trusted, sight.noise, np.nan),
         spread=np.where(known, np.hypot(world.shape_spread, scales), np.inf),
         unknown=unknown.astype(np.uint8),
         inferred=np.zeros_like(static),
         camera_motion=world.camera,
         prior_share=world.prior_share,
         metric=world.metric,
+        notes=world.notes,
     )
 
 

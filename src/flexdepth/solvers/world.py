@@ -1,6 +1,6 @@
 """Depth and motion of every pixel, before it is said which of them are known."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ class World:
         metric: Whether the unit is the metre.
         prior_share: How much of the depth is the prior's; None without one.
         sky: Where the prior says so; None without one.
+        notes: What was given and adds nothing, and why, one line each.
     """
 
     sight: Sight
@@ -45,6 +46,11 @@ class World:
     metric: bool = False
     prior_share: Array | None = None
     sky: NDArray[np.bool_] | None = None
+    notes: tuple[str, ...] = ()
+
+    def noted(self, line: str) -> "World":
+        """Return the same world with one more thing to be said of it."""
+        return replace(self, notes=(*self.notes, line))
 
 
 def sight_of(seen: Seen) -> Sight:
