@@ -39,7 +39,7 @@ lint: .venv/full.stamp  ## ruff (format and rules), mypy --strict, the layers
 unit: .venv/full.stamp  ## the tests
 	$(BIN)/python -m pytest
 
-model: .venv/full.stamp  ## re-make the bundled weights from nothing (hours; an interrupted run goes on)
+model: .venv/full.stamp  ## make weights as the bundled ones are made, from nothing (hours; an interrupted run goes on)
 	$(BIN)/flexdepth synth --seed 0 --count $(TRAINING_IMAGES) -o renders/train
 	$(BIN)/flexdepth synth --seed 1 --count 160 -o renders/heldout
 	$(BIN)/flexdepth train compact -o runs/compact
