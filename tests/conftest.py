@@ -1,8 +1,10 @@
 import json
 import os
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import settings
 
@@ -70,3 +72,69 @@ def make_bundle(tmp_path) -> Callable[..., Path]:
         return path
 
     return make
+
+
+RECORDED = Path(__file__).parent / "recorded"
+
+
+@dataclass(frozen=True, eq=False)
+class Film:
+    """Three frames of a place in which something rigid and something that bends move, with truth.
+
+    `flexdepth.synth.sequence` rendered them, at a tenth of a second: sequence 0 of its seed, with
+    all feet in sight, else as PAIRS has it; synth 3.2 as it was on 27 November 2026. They are
+    kept, for the worlds of a seed change with synth, and its textures alone take ten seconds.
+
+    Attributes:
+        before: The frame before the key frame: height x width x 3, RGB.
+        key: The frame whose depth is sought.
+        after: The one after it.
+        right: What a camera beside that of the key frame sees.
+        depth: z of the key frame, metres.
+        mover: 1 where it shows what is rigid, 2 what bends.
+        rotation: Of after_from_key.
+        translation: Metres.
+        focal: Pixels; the cameras look through the middle.
+        baseline: Metres from the camera of `key` to that of `right`.
+        flow: From `key` to `after`, pixels.
+        hidden: Where `after` does not show the point.
+        moving: Where the point itself moves until then.
+        flow_before: From `key` to `before`.
+        hidden_before: Where `before` does not show it.
+    """
+
+    before: np.ndarray
+    key: np.ndarray
+    after: np.ndarray
+    right: np.ndarray
+    depth: np.ndarray
+    mover: np.ndarray
+    rotation: np.ndarray
+    translation: np.ndarray
+    focal: np.ndarray
+    baseline: np.ndarray
+    flow: np.ndarray | None = None
+    hidden: np.ndarray | None = None
+    moving: np.ndarray | None = None
+    flow_before: np.ndarray | None = None
+    hidden_before: np.ndarray | None = None
+
+
+@pytest.fixture(scope="session")
+def film() -> Film:
+    """Return 96 x 72 pixels of a box that is pushed and a dog that walks, with flow (seed 1015).
+
+    The focal length is 84 pixels, the parallax asked for 1.5 to 6.
+    """
+    with np.load(RECORDED / "film.npz") as stored:
+        return Film(**stored)
+
+
+@pytest.fixture(scope="session")
+def garden() -> Film:
+    """Return 128 x 96 pixels of a ball that rolls and a person who walks, without flow (seed 1008).
+
+    The focal length is 112 pixels, the parallax asked for 2 to 8: enough for estimated flow.
+    """
+    with np.load(RECORDED / "garden.npz") as stored:
+        return Film(**stored)

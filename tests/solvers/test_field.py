@@ -114,14 +114,24 @@ def test_the_true_field_leaves_nothing_of_its_own_flow(problem):
         assert np.abs(out[:2]).max() < 1e-9
 
 
-def test_nearer_and_slower_by_one_factor_is_the_same_flow(problem):
+def test_each_region_nearer_and_slower_by_a_factor_of_its_own_is_the_same_flow(problem):
     field, terms = problem
-    scaled = Field(field.inverse_depth / 3.7, field.rotation, field.translation * 3.7)
-    one, other = np.empty(6), np.empty(6)
+    # A factor for each region: flow ties no thing's scale to another's, which is why scale is
+    # sought beside the flow. Were only ρ or only t scaled, flow would be another by whole pixels.
+    factor = np.array([3.7, 0.6])[terms.labels]
+    slower = field.translation * factor[..., None]
+    scaled = Field(field.inverse_depth / factor, field.rotation, slower)
+    one, other, half = np.empty(6), np.empty(6), np.empty(6)
     for at in np.ndindex(HEIGHT, WIDTH):
         data_residual(field, terms, *at, one)
         data_residual(scaled, terms, *at, other)
         np.testing.assert_allclose(one[:2], other[:2], atol=1e-9)
+        data_residual(field._replace(translation=slower), terms, *at, half)
+        assert np.abs(one[:2] - half[:2]).max() > 1
+    free = terms._replace(region_certain=np.zeros(2), depth_certain=np.zeros((HEIGHT, WIDTH)))
+    apart = SCALES._replace(field_certain=0.0, planar_certain=0.0)
+    assert energy(scaled, free, apart) == pytest.approx(energy(field, free, apart), rel=1e-9)
+    assert energy(scaled, terms, SCALES) > 1.1 * energy(field, terms, SCALES)
 
 
 def test_one_motion_everywhere_and_two_that_part_cost_little_or_a_bounded_sum(problem):
