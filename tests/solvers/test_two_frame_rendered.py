@@ -1,5 +1,7 @@
 """Two rendered frames in which one thing is rigid and one bends: every answer beside its truth."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -196,3 +198,23 @@ def test_the_frame_before_shows_what_the_one_after_hides(film, exact):
     still = (film.mover == 0) & found.valid
     scale = np.median((truth / found.depth)[still])
     assert np.abs(scale * found.depth / truth - 1)[hidden & found.valid].mean() < 0.001
+
+
+def test_spread_is_less_by_what_smoothing_takes_from_independent_errors(noisy, film, shown):
+    before, after = noisy
+    inside = shown["still"] & before.valid & after.valid
+    assert np.median(after.spread[inside] / before.spread[inside]) < 0.8
+    for found in noisy:
+        scale = np.median((film.depth / found.depth)[inside])
+        off = np.abs(np.log(scale * found.depth / film.depth))[inside]
+        assert 0.6 < (off < found.spread[inside]).mean() < 0.95
+
+
+def test_spread_stays_where_neighbours_err_alike(film, shown):
+    drawn = np.random.default_rng(7).standard_normal(film.flow.shape)
+    alike = cv2.GaussianBlur(drawn, (0, 0), 6.0)
+    alike *= NOISE / alike.std()
+    given = replace(seen(film, NOISE), flow=(film.flow + alike).astype(np.float32))
+    before, after = two_frame(given, REGIONS), two_frame(given)
+    inside = shown["still"] & before.valid & after.valid
+    assert np.median(after.spread[inside] / before.spread[inside]) > 0.9

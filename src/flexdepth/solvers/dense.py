@@ -33,6 +33,9 @@ _FIELD, _PLANAR = 0.1, 0.03
 _LEAST_NOISE = 0.02
 """Pixels: flow is not trusted more than this, be it exact."""
 
+_LEAST_LEFT = 0.1
+"""The least share of depth's variance that is taken to be left."""
+
 
 @dataclass(frozen=True)
 class Dense:
@@ -59,12 +62,33 @@ def refined_world(world: World, settings: Dense) -> World:
     field, terms = _begin(world)
     field = _coarse_to_fine(field, terms, settings)
     solved = np.isfinite(world.inverse_depth)
+    inverse = np.where(solved, field.inverse_depth, world.inverse_depth)
     return replace(
         world,
-        inverse_depth=np.where(solved, field.inverse_depth, world.inverse_depth),
+        inverse_depth=inverse,
+        shape_spread=_left_spread(world, inverse),
         rotation=field.rotation,
         translation=field.translation,
     )
+
+
+def _left_spread(world: World, inverse: Array) -> Array:
+    """Return the spread of the refined depth of what does not bend.
+
+    What smoothing takes from independent errors it moves depth by: of their variance 1, a smoother
+    that leaves h moves by 1 - h. Errors that neighbours share it leaves as they are, and moves
+    nothing. So what is left is measured, region by region.
+    """
+    spread = world.shape_spread.copy()
+    seen = np.isfinite(spread) & (spread > 0) & (world.inverse_depth > 0) & (inverse > 0)
+    moved = np.log(inverse[seen] / world.inverse_depth[seen]) / spread[seen]
+    for region in world.regions:
+        own = world.labels[seen] == region.label
+        if region.kind is Kind.FLEXIBLE or not own.any():
+            continue
+        taken = (float(np.median(np.abs(moved[own]))) / 0.6745) ** 2
+        spread[world.labels == region.label] *= np.sqrt(max(1 - taken, _LEAST_LEFT))
+    return np.asarray(spread)
 
 
 def _begin(world: World) -> tuple[Field, Terms]:
