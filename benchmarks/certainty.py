@@ -212,8 +212,13 @@ def main() -> int:
         report[each.name] = on_real(options.model, each, files)
     bars = list(asked(report))
     print(json.dumps({**report, "bars": [bar.record() for bar in bars]}, indent=2))
-    return 1 if options.strict and not all(bar.met for bar in bars) else 0
+    missed = not bars or not all(bar.met for bar in bars)
+    return int(options.strict and missed)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except InputError as error:
+        print(error, file=sys.stderr)
+        sys.exit(2)

@@ -58,3 +58,10 @@ def test_at_a_terminal_a_bar_shows_how_far_the_rendering_is(render, monkeypatch)
     said = render(200)
     assert "200/200" in said
     assert "rendered" not in said
+
+
+def test_renders_do_not_go_among_the_photographs_that_they_show(tmp_path, capsys):
+    shown = ["--photographs", str(tmp_path)]
+    assert main(["synth", "-o", str(tmp_path / "renders"), "-n", "4", *shown]) == 2
+    assert "renders are no photographs" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []

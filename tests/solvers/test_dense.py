@@ -1,9 +1,19 @@
 """From the full size to half of it and back, by numbers worked out by hand."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from flexdepth.solvers.dense import Dense, _coarse_to_fine, _halved, _scales, _taken_over
+from flexdepth.solvers.answer import Kind
+from flexdepth.solvers.dense import (
+    Dense,
+    _coarse_to_fine,
+    _halved,
+    _left_spread,
+    _scales,
+    _taken_over,
+)
 from flexdepth.solvers.field import Field, Terms, data_residual
 
 HEIGHT, WIDTH, FOCAL = 5, 6, 50.0
@@ -100,3 +110,21 @@ def test_the_truth_stays_where_it_is_through_all_sizes(slanted, monkeypatch):
     wrong = field._replace(inverse_depth=1.1 * field.inverse_depth)
     better = _coarse_to_fine(wrong, terms, Dense(steps=8))
     np.testing.assert_allclose(better.inverse_depth, field.inverse_depth, rtol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("moved", "left"), [(0.0, 1.0), (0.6, 0.8), (1.0, np.sqrt(0.1)), (3.0, np.sqrt(0.9))]
+)
+def test_what_is_left_of_a_spread_goes_by_how_far_depth_was_moved(moved, left):
+    spread = np.full((4, 6), 0.1)
+    labels = np.repeat([[0, 0, 0, 1, 1, 1]], 4, axis=0)
+    kinds = (
+        SimpleNamespace(label=0, kind=Kind.STATIC),
+        SimpleNamespace(label=1, kind=Kind.FLEXIBLE),
+    )
+    world = SimpleNamespace(
+        shape_spread=spread, inverse_depth=np.full((4, 6), 2.0), labels=labels, regions=kinds
+    )
+    # Of a normal distribution's deviations, .6745 is the median.
+    found = _left_spread(world, 2.0 * np.exp(0.1 * 0.6745 * moved * np.ones((4, 6))))
+    np.testing.assert_allclose(found, np.where(labels == 0, 0.1 * left, 0.1), rtol=1e-9)

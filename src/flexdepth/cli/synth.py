@@ -54,6 +54,12 @@ def run(arguments: Sequence[str]) -> int:
         raise InputError("--count is a whole number >= 1 and --processes one >= 0")
     if settings.motion.frames == 1 and settings.motion != Motion():
         raise InputError("what moves is asked for, but a single image shows none; give --frames 2")
+    shown = settings.world.photographs
+    if shown is not None and settings.output_dir.resolve().is_relative_to(shown.resolve()):
+        raise InputError(
+            f"--output-dir: {settings.output_dir} lies in {shown}, and renders are no photographs; "
+            f"take another folder"
+        )
     processes = settings.processes or cpu_count() or 1
     begin = time.monotonic()
     watched = _in_a_bar if Console(stderr=True).is_terminal else _in_lines

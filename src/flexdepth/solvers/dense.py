@@ -77,7 +77,8 @@ def _left_spread(world: World, inverse: Array) -> Array:
 
     What smoothing takes from independent errors it moves depth by: of their variance 1, a smoother
     that leaves h moves by 1 - h. Errors that neighbours share it leaves as they are, and moves
-    nothing. So what is left is measured, region by region.
+    nothing. So what is left is measured, region by region. Where depth moves by more than its
+    spread, that was too small, by as much at least.
     """
     spread = world.shape_spread.copy()
     seen = np.isfinite(spread) & (spread > 0) & (world.inverse_depth > 0) & (inverse > 0)
@@ -87,7 +88,9 @@ def _left_spread(world: World, inverse: Array) -> Array:
         if region.kind is Kind.FLEXIBLE or not own.any():
             continue
         taken = (float(np.median(np.abs(moved[own]))) / 0.6745) ** 2
-        spread[world.labels == region.label] *= np.sqrt(max(1 - taken, _LEAST_LEFT))
+        spread[world.labels == region.label] *= np.sqrt(
+            max(1 - taken, _LEAST_LEFT * max(1.0, taken))
+        )
     return np.asarray(spread)
 
 

@@ -139,16 +139,16 @@ def claim(folder: Path, world: Mapping[str, object]) -> None:
     Raises:
         InputError: The folder cannot be written, or holds images of another world.
     """
-    stated = folder / "world.json"
-    if not os.path.exists(stated):
-        with replacing(stated) as path:
+    file_of_world = folder / "world.json"
+    if not os.path.exists(file_of_world):
+        with replacing(file_of_world) as path:
             path.write_text(json.dumps(world) + "\n", encoding="ascii")
         return
-    with open_input(stated) as file:
+    with open_input(file_of_world) as file:
         found = file.read().decode("ascii", "replace")
     if found.strip() != json.dumps(world):
         raise InputError(
-            f"{stated}: the images here are of another world, {found.strip()}; wanted "
+            f"{file_of_world}: the images here are of another world, {found.strip()}; wanted "
             f"{json.dumps(world)}; take another folder"
         )
 

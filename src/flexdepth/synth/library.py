@@ -10,10 +10,13 @@ from numpy.typing import NDArray
 from flexdepth.synth.lettered import LETTERED
 from flexdepth.synth.patterns import PATTERNS, Array
 from flexdepth.synth.photographs import Photo, cuts, skies
-from flexdepth.synth.prints import PICTURES, carpet
+from flexdepth.synth.prints import PICTURES
 
 PRINTS = {**PICTURES, **LETTERED}
 """Textures with colours of their own."""
+
+_WOVEN = ("carpet", "petals", "tunnel")
+"""Pictures that rugs and cloth show too."""
 
 NAMES = (*PATTERNS, *PRINTS)
 """Every texture there is, in the order of the layers."""
@@ -40,13 +43,13 @@ class Library:
     def made(cls, rng: Generator, variants: int, photos: Sequence[Photo] = ()) -> "Library":
         """Return a library drawn from the generator.
 
-        Given photographs, every second variant of each picture but the carpets is a part of one.
-        The rest is as it is without them.
+        Given photographs, every second variant of each picture that hangs or stands somewhere is
+        a part of one. The rest is as it is without them.
         """
         layers = [_shares(make(rng)) for make in PATTERNS.values() for _ in range(variants)]
         layers += [_hung(make(rng)) for make in PRINTS.values() for _ in range(variants)]
         if photos:
-            pictures = [NAMES.index(name) for name in PICTURES if name != carpet.__name__]
+            pictures = [NAMES.index(name) for name in PICTURES if name not in _WOVEN]
             taken = [k * variants + odd for k in pictures for odd in range(1, variants, 2)]
             for layer, cut in zip(taken, cuts(rng, photos, len(taken)), strict=True):
                 layers[layer] = _hung(cut)

@@ -1,7 +1,7 @@
 """Photographs in a rendered world: as prints and posters, as views from windows, and as skies.
 
-A folder of any photographs will do: no depth of them is needed, for what they hang on is flat, and
-a sky is infinitely far.
+A folder of any photographs will do: no depth of them is needed, for that of a print is the depth
+of what it is on, and a sky is infinitely far.
 """
 
 import hashlib
@@ -59,7 +59,7 @@ def photograph_files(folder: Path) -> list[Path]:
 
 
 def digest(files: Sequence[Path]) -> str:
-    """Return what tells these photographs from all others, whatever their names.
+    """Return what tells these photographs, in this order, from all others, wherever they lie.
 
     Raises:
         InputError: One cannot be read.
@@ -90,7 +90,7 @@ def _small(pixels: NDArray[np.uint8]) -> Photo:
 
 
 def cuts(rng: Generator, photos: Sequence[Photo], count: int) -> list[Photo]:
-    """Return square prints of parts of photographs, each photograph as often as any other."""
+    """Return square prints of parts of photographs, each photograph alike often."""
     return [_cut(rng, photos[k % len(photos)]) for k in range(count)]
 
 

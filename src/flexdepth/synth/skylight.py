@@ -28,7 +28,8 @@ class _Photographed:
     Attributes:
         light: Rows by columns by 3; the last row is the horizon.
         around: How often the photograph and its mirror image go round the horizon.
-        top: Radians above the horizon of the first row; from there to the zenith is its mean.
+        top: Radians above the horizon of the first row; above it is that row's mean, which fades
+            in from half of the way.
     """
 
     light: Array
