@@ -25,13 +25,18 @@ def fused(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, 
     certain, logarithm = [], []
     for inverse, spread in (one, other):
         known = np.isfinite(inverse) & (inverse > 0) & np.isfinite(spread)
-        certain.append(np.where(known, 1 / np.maximum(spread, _LEAST) ** 2, 0.0))
+        certain.append(certainty(spread, known))
         logarithm.append(np.log(np.where(known, inverse, 1.0)))
     total = certain[0] + certain[1]
     safe = np.where(total > 0, total, 1.0)
     mean = (certain[0] * logarithm[0] + certain[1] * logarithm[1]) / safe
     inverse = np.where(total > 0, np.exp(mean), np.nan)
     return inverse, np.where(total > 0, 1 / np.sqrt(safe), np.inf), certain[1] / safe
+
+
+def certainty(spread: Array, where: Mask) -> Array:
+    """Return 1 / spread² where it is finite and asked for, else 0."""
+    return np.where(where & np.isfinite(spread), 1 / np.maximum(spread, _LEAST) ** 2, 0.0)
 
 
 def common_factor(one: Array, other: Array, certain: Array) -> tuple[float, float] | None:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from flexdepth.solvers.answer import Evidence, Region
 from flexdepth.solvers.correspondences import pixel_centres, rays
-from flexdepth.solvers.fusion import common_factor, fused
+from flexdepth.solvers.fusion import certainty, common_factor, fused
 from flexdepth.solvers.pose import Pose
 from flexdepth.solvers.seen import Seen, Stereo
 from flexdepth.solvers.two_view import seen_along
@@ -27,13 +27,18 @@ def with_stereo(world: World, seen: Seen, stereo: Stereo) -> World:
     tell the camera's way in metres, the world is as it was.
     """
     inverse, spread = _disparity(seen, stereo)
-    if not _tied(world, inverse, spread):
+    factors = [
+        common_factor(world.inverse_depth, inverse, certainty(spread, world.labels == region.label))
+        for region in world.regions
+    ]
+    # Whether disparity tells metres: of the camera's way, or alone if that is none.
+    tied = factors[0] is not None if world.camera.translates else np.isfinite(inverse).any()
+    if not tied:
         return world.noted(_UNTIED)
     scaled, translation = world.inverse_depth.copy(), world.translation.copy()
     regions: list[Region] = []
-    for region in world.regions:
+    for region, found in zip(world.regions, factors, strict=True):
         inside = world.labels == region.label
-        found = common_factor(world.inverse_depth, inverse, _certain(inside, spread))
         if found is not None:
             scaled[inside] *= found[0]
             translation[inside] /= found[0]
@@ -62,18 +67,6 @@ _MODEL = 0.01
 _UNTIED = (
     "the right picture adds nothing: too little of what is still is found in it to tell metres"
 )
-
-
-def _tied(world: World, inverse: Array, spread: Array) -> bool:
-    """Return whether disparity tells metres: of the camera's way, or alone if that is none."""
-    if not world.camera.translates:
-        return bool(np.isfinite(inverse).any())
-    certain = _certain(world.labels == 0, spread)
-    return common_factor(world.inverse_depth, inverse, certain) is not None
-
-
-def _certain(inside: NDArray[np.bool_], spread: Array) -> Array:
-    return np.where(inside & np.isfinite(spread), 1 / np.maximum(spread, 1e-4) ** 2, 0.0)
 
 
 def _disparity(seen: Seen, stereo: Stereo) -> tuple[Array, Array]:

@@ -4,7 +4,7 @@ import json
 import os
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import lru_cache, partial
 from multiprocessing import get_context
 from pathlib import Path
@@ -70,11 +70,9 @@ def stated(settings: SynthSettings) -> dict[str, object]:
     Raises:
         InputError: There are no such photographs, or one cannot be read.
     """
-    said = asdict(replace(settings, photographs=None))
-    del said["photographs"]
-    if settings.photographs is None:
-        return said
-    return said | {"photographs": digest(photograph_files(settings.photographs))}
+    said = asdict(settings)
+    folder = said.pop("photographs")
+    return said if folder is None else said | {"photographs": digest(photograph_files(folder))}
 
 
 @lru_cache(maxsize=1)
