@@ -23,7 +23,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from samples import opencv_camera
+from samples import opencv_camera, present
+from verdict import verdict
 
 from flexdepth.data.text_files import parsed
 from flexdepth.data.trajectory import inverse, rows
@@ -94,19 +95,21 @@ def degrees_off(found: Pose, truth: NDArray[np.float64]) -> tuple[float, float]:
 
 def camera_of(path: Path) -> Intrinsics:
     """Return the left camera: the first row of the calibration, 3 x 4."""
-    numbers = parsed(path.read_text().splitlines()[0].split(), 12, f"{path}: wanted P0")
+    numbers = parsed(present(path).read_text().splitlines()[0].split(), 12, f"{path}: wanted P0")
     return opencv_camera((numbers[0], numbers[5]), (numbers[2], numbers[6]))
+
+
+def gray(path: Path) -> Gray:
+    """Return a frame."""
+    return np.asarray(cv2.imread(str(present(path)), cv2.IMREAD_GRAYSCALE))
 
 
 def measured(folder: Path, pairs: int, find: Find) -> dict[str, float]:
     """Return what one way finds."""
-    camera, poses = camera_of(folder / "calib.txt"), rows(folder / "poses.txt")
+    camera, poses = camera_of(folder / "calib.txt"), rows(present(folder / "poses.txt"))
     off, seconds = [], []
     for number in range(pairs):
-        key, target = (
-            np.asarray(cv2.imread(str(folder / f"image_l/{each:06d}.png"), cv2.IMREAD_GRAYSCALE))
-            for each in (number, number + 1)
-        )
+        key, target = (gray(folder / f"image_l/{each:06d}.png") for each in (number, number + 1))
         start = time.perf_counter()
         found = find(key, target, camera)
         seconds.append(time.perf_counter() - start)
@@ -135,7 +138,7 @@ def text(found: Mapping[str, Mapping[str, float]]) -> str:
         lines.append(f"{way:26} {cells[0]:>16} {cells[1]:>16} {one['seconds']:>8.2f}")
     for name, met in passed(found).items():
         most = f"at most {BAR[name]:g}, and {found[CUSTOMARY][name]:.3f} of {CUSTOMARY}"
-        measured = f"measured {found[OURS][name]:.3f}  {'pass' if met else 'MISS'}"
+        measured = f"measured {found[OURS][name]:.3f}  {verdict(met)}"
         lines.append(f"  {OURS}, {name}: {most}  {measured}")
     return "\n".join(lines)
 
@@ -152,7 +155,11 @@ def main() -> int:
     asked = parser.parse_args()
     folder = asked.samples / DRIVE
     ways = {OURS: by_flow(asked.most), "akaze": by_akaze, CUSTOMARY: by_sift}
-    found = {name: measured(folder, asked.pairs, find) for name, find in ways.items()}
+    try:
+        found = {name: measured(folder, asked.pairs, find) for name, find in ways.items()}
+    except FileNotFoundError as missing:
+        print(f"skipped: {missing}")
+        return int(asked.strict)
     met = all(passed(found).values())
     if asked.json:
         print(json.dumps({"pairs": asked.pairs, "bar": BAR, **found, "passed": met}, indent=2))

@@ -272,6 +272,20 @@ SETS = (
 )
 
 
+def present(path: Path) -> Path:
+    """Return the path of a file of the samples.
+
+    Raises:
+        FileNotFoundError: There is none.
+    """
+    if not path.is_file():
+        raise FileNotFoundError(
+            f"{path} is missing; docs/samples.md says where to take it from, and --samples DIR or "
+            "FLEXDEPTH_SAMPLES=DIR where it lies"
+        )
+    return path
+
+
 def scored_pixels(truth: NDArray[np.float64], cap: float) -> NDArray[np.bool_]:
     """Return where the truth lies between `NEAREST` and the cap, both excluded."""
     return (truth > NEAREST) & (truth < cap)

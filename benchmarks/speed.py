@@ -28,6 +28,7 @@ import numpy as np
 import onnxruntime as ort
 from PIL import Image, ImageChops
 from runs import Run, child, in_turn, inside
+from verdict import MISS, verdict
 
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.model import load_model
@@ -65,7 +66,7 @@ class Figure:
         """Whether the bar is reached; empty where nothing can be said."""
         if self.bar is None or self.value is None:
             return ""
-        return "pass" if self.value <= self.bar else "MISS"
+        return verdict(self.value <= self.bar)
 
 
 def seconds(name: str, runs: Sequence[Run], bar: float | None = None) -> Figure:
@@ -243,7 +244,7 @@ def main() -> int:
         print(table(figures))
         if (about["load"] or 0) > QUIET:
             print(f"the machine was busy (load {about['load']}): wall clock is not to be trusted")
-    missed = any(figure.verdict == "MISS" for figure in figures)
+    missed = any(figure.verdict == MISS for figure in figures)
     return 1 if options.strict and missed else 0
 
 

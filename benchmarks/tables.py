@@ -6,6 +6,7 @@ from types import MappingProxyType
 from bars import RIVALS, Bar, Limit, written
 from blind import BEST_CONSTANT, CONSTANT
 from scores import Fit, Result
+from verdict import verdict
 
 from flexdepth.runtime.errors import InputError
 
@@ -71,7 +72,7 @@ def verdicts(asked: Sequence[Bar], blind: Sequence[Bar], model: str) -> str:
     rows = [[f"bars for {model}", "asked", "measured", ""]]
     for each in (*asked, better, *missed):
         measured = "-" if each.measured is None else written(each.measured)
-        rows.append([each.name, str(each.limit), measured, "pass" if each.met else "MISS"])
+        rows.append([each.name, str(each.limit), measured, verdict(each.met)])
     return _lined_up(rows)
 
 

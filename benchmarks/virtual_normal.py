@@ -16,6 +16,7 @@ from statistics import median
 import torch
 from runs import Run, in_turn
 from torch import Tensor
+from verdict import verdict
 
 from flexdepth.losses.virtual_normal import Triangles, central_camera, drawn, virtual_normal
 
@@ -81,7 +82,7 @@ def main() -> None:
         "cpu_ratio": round(ratio, 2),
         "wall_ratio": round(median(a.wall / b.wall for a, b in both), 2),
         "bar": BAR,
-        "verdict": "pass" if ratio <= BAR else "MISS",
+        "verdict": verdict(ratio <= BAR),
     }
     print(json.dumps(found, indent=2))
 

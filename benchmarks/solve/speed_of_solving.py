@@ -26,6 +26,7 @@ from rows import ROWS, case, timed
 sys.path.insert(0, str(HERE.parent))
 
 from runs import child
+from verdict import verdict
 
 SIZES = ((160, 120), (320, 240), (512, 218), (640, 480), (1024, 436))
 
@@ -115,7 +116,7 @@ def report(bars: Sequence[dict[str, Any]], file: Path | None) -> bool:
             bar for bar in bars if (tuple(bar["size"]), bar["method"]) == (each.size, each.method)
         ]
         met += [each.meets(bar) for bar in asked]
-        bar = ", ".join(f"{_bar(one)}  {'pass' if each.meets(one) else 'MISS'}" for one in asked)
+        bar = ", ".join(f"{_bar(one)}  {verdict(each.meets(one))}" for one in asked)
         peak = "-" if each.peak is None else f"{each.peak / 1e9:.2f}"
         shape = "x".join(map(str, size))
         row = f"{shape:>10} {method:8} {each.seconds:>8.2f} {each.cpu:>7.2f} {peak:>8}   {bar}"

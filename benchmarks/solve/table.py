@@ -1,11 +1,17 @@
 """What was measured, as one table, with the bars beside it."""
 
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 from rows import BASELINE, FULL, PRIOR, WITH_PRIOR
 from scored_pairs import GROUPS, SHAPES, Scores
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from verdict import verdict
 
 _ROUNDING = 1e-9
 
@@ -97,7 +103,7 @@ def text(lines: Sequence[Line], judged: Sequence[Verdict]) -> str:
         rows.append(_row(line))
     rows += ["", f"bars for `{FULL}`, and for `{WITH_PRIOR}` as a share of the better one alone:"]
     for each in judged:
-        mark = "pass" if each.passed else "MISS"
+        mark = verdict(each.passed)
         what = f"{each.flow}: {each.what.replace('_', ' ')}"
         rows.append(f"  {what:38} {each.bar:>7.4g}  measured {each.measured:>7.4f}  {mark}")
     return "\n".join(rows)

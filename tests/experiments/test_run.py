@@ -94,7 +94,8 @@ def test_a_run_that_lost_patience_says_so_and_stays_ended(experiment, tmp_path, 
     patient = replace(experiment, loop=replace(experiment.loop, iterations=9, patience=2))
     said = (
         "ended early, at iteration 3 of 9: loop.patience is 2, and so many validations in a row "
-        "did not lower the held-out AbsRel, 0.2500 at best"
+        "did not lower the held-out AbsRel, 0.2500 at best; with more patience or iterations it "
+        "goes on"
     )
     lines = []
     run_experiment(patient, tmp_path, 0, lines.append)
@@ -102,8 +103,44 @@ def test_a_run_that_lost_patience_says_so_and_stays_ended(experiment, tmp_path, 
     assert load(tmp_path / LATEST).iteration == 3
     again = []
     run_experiment(patient, tmp_path, 0, again.append)
-    assert again[0].startswith("resuming at iteration 3 of 9 ")
-    assert again[1:] == [said]
+    assert again == [said]
+
+
+def test_a_run_that_lost_patience_goes_on_with_more_as_if_it_had_had_it_from_the_start(
+    experiment, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(loop, "validate", lambda *_: dict.fromkeys(SCORES, 0.25))
+    few, more = (
+        replace(experiment, loop=replace(experiment.loop, iterations=5, patience=patience))
+        for patience in (1, 3)
+    )
+    lines = []
+    run_experiment(few, tmp_path / "run", 0, print)
+    run_experiment(more, tmp_path / "run", 0, lines.append)
+    run_experiment(more, tmp_path / "straight", 0, print)
+    assert lines[0].startswith("resuming at iteration 2 of 5 ")
+    assert lines[-1].startswith("ended early, at iteration 4 of 5: loop.patience is 3")
+    went_on, straight = (load(tmp_path / name / LATEST) for name in ("run", "straight"))
+    assert went_on.errors == straight.errors
+    assert all(torch.equal(each, straight.tensors[k]) for k, each in went_on.tensors.items())
+
+
+def test_a_run_that_lost_patience_may_be_given_more_iterations_and_counts_anew(
+    experiment, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(loop, "validate", lambda *_: dict.fromkeys(SCORES, 0.25))
+    few, more = (
+        replace(experiment, loop=replace(experiment.loop, iterations=iterations, patience=1))
+        for iterations in (3, 6)
+    )
+    other = replace(few, loop=replace(few.loop, patience=9, average_decay=0.5))
+    run_experiment(few, tmp_path, 0, print)
+    with pytest.raises(InputError, match=r"\(loop\.average_decay: 0\.998 there, 0\.5 here\)"):
+        run_experiment(other, tmp_path, 0, print)
+    run_experiment(more, tmp_path, 0, print)
+    assert load(tmp_path / LATEST).iteration == 4
+    with pytest.raises(InputError, match=r"\(loop\.iterations: 6 there, 3 here\)"):
+        run_experiment(few, tmp_path, 0, print)
 
 
 def test_the_same_seed_gives_the_same_weights(finished, experiment, tmp_path):

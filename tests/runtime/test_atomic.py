@@ -30,6 +30,17 @@ def test_the_temporary_file_is_hidden_beside_the_file_and_keeps_its_suffix(tmp_p
         temporary.touch()
 
 
+def test_what_was_written_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
+    path, kept = tmp_path / "room.npz", []
+    monkeypatch.setattr(os, "fsync", lambda number: kept.append((os.fstat(number), path.exists())))
+    with replacing(path) as temporary:
+        temporary.write_text("new")
+        written = temporary.stat()
+    ((synced, named),) = kept
+    assert os.path.samestat(synced, written)
+    assert not named
+
+
 @pytest.mark.parametrize("failure", [KeyboardInterrupt, RuntimeError, SystemExit])
 def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path, failure):
     path = tmp_path / "room.npz"

@@ -1,4 +1,5 @@
 import struct
+import sys
 import zlib
 from io import BytesIO
 
@@ -9,7 +10,7 @@ from hypothesis import strategies as st
 from PIL import Image, ImageCms, features
 
 from flexdepth.runtime.errors import InputError
-from flexdepth.runtime.images import is_picture_name, read_photo
+from flexdepth.runtime.images import is_picture_name, photos_in, read_photo
 
 RED, GREEN, BLUE, WHITE, BLACK = (255, 0, 0), (0, 255, 0), (0, 0, 255), (255,) * 3, (0,) * 3
 
@@ -279,7 +280,6 @@ def test_damaged_exif_does_not_cost_the_picture(tmp_path):
     [
         ("a.jpg", b"", "empty"),
         ("a.jpg", b"this is no picture at all", "no picture"),
-        ("a.heic", b"\0\0\0\x18ftypheic\0\0\0\0mif1heic", "HEIC"),
         ("a.dng", b"II*\0\x08\0\0\0", "raw"),
         ("a.png", encoded(Image.effect_noise((64, 64), 50), "PNG")[:2000], "truncated"),
         ("a.jpg", encoded(Image.effect_noise((64, 64), 50), "JPEG")[:1500], "truncated"),
@@ -290,6 +290,34 @@ def test_what_is_no_whole_picture_is_refused_in_one_line(tmp_path, name, content
         read(tmp_path, content, name)
     assert str(tmp_path / name) in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+def test_heic_without_its_extra_says_which_one_reads_it(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pillow_heif", None)
+    content = b"\0\0\0\x18ftypheic\0\0\0\0mif1heic"
+    with pytest.raises(InputError, match=r'a\.heic: is HEIC; pip install "flexdepth\[heic\]"'):
+        read(tmp_path, content, "a.heic")
+
+
+def test_a_phones_heic_is_read_upright_with_its_colours_and_its_focal_length(tmp_path):
+    heif = pytest.importorskip("pillow_heif")
+    exif = Image.Exif()
+    exif[0x0112] = 6
+    exif.get_ifd(0x8769)[41989] = 26
+    lying = Image.new("RGB", (96, 64), RED)
+    lying.paste(GREEN, (0, 0, 96, 32))  # Turned to the right, above becomes right.
+    heif.from_pillow(lying).save(tmp_path / "a.heic", exif=exif.tobytes(), quality=95)
+    content = (tmp_path / "a.heic").read_bytes()
+    photo = read(tmp_path, content, "a.heic")
+    assert photo.pixels.shape == (96, 64, 3)
+    for columns, colour in ((slice(8, 24), RED), (slice(40, 56), GREEN)):
+        assert np.abs(photo.pixels[:, columns].astype(int) - colour).max() <= 12
+    assert photo.focal_in_diagonals == pytest.approx(26 / 43.27)
+    assert not photo.warnings
+    with pytest.raises(InputError, match="has 64 x 96 pixels, the limit is 6143"):
+        read(tmp_path, content, "a.heic", max_pixels=6143)
+    with pytest.raises(InputError, match=r"a\.heic: is truncated or damaged"):
+        read(tmp_path, content[: len(content) // 2], "a.heic")
 
 
 @pytest.mark.skipif(not features.check("avif"), reason="this Pillow was built without AVIF")
@@ -347,6 +375,16 @@ def test_pillows_own_limit_neither_stops_a_picture_nor_is_changed(tmp_path, monk
 )
 def test_pictures_are_known_by_name_in_a_folder(tmp_path, name, expected):
     assert is_picture_name(tmp_path / name) is expected
+
+
+def test_the_photos_in_a_folder_are_listed_by_their_paths(tmp_path):
+    own = [f"{number:02d}.PNG" for number in range(20)]
+    below = ["below/c.jpg", "folder.jpg/d.png"]
+    for name in ("notes.txt", *below, *reversed(own)):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).touch()
+    assert photos_in(tmp_path, "*") == [tmp_path / name for name in own]
+    assert photos_in(tmp_path, "**/*") == [tmp_path / name for name in (*own, *below)]
 
 
 def small_pictures():

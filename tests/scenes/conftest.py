@@ -7,6 +7,7 @@ import pytest
 from PIL import Image
 
 from flexdepth.flow.field import given
+from flexdepth.flow.matches import Agreement
 from flexdepth.runtime.depthmap import FocalSource, Intrinsics
 from flexdepth.scenes.pair import Solution
 from flexdepth.scenes.views import Views
@@ -72,7 +73,7 @@ def solution(found):
     picture = np.random.default_rng(0).integers(0, 255, (height, width, 3)).astype(np.uint8)
     views = Views({"key": picture, "target": picture}, CAMERA, (1.0, 1.0), ())
     flow = given(np.zeros((height, width, 2), np.float32), SIZE, 0.1)
-    return Solution(views, flow, None, found, "flexdepth solve (dense)", ())
+    return Solution(views, flow, Agreement(40, 0.9), None, found, "flexdepth solve (dense)", ())
 
 
 @pytest.fixture

@@ -1,4 +1,3 @@
-from dataclasses import replace
 from types import SimpleNamespace
 
 import cv2
@@ -6,11 +5,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from flexdepth.flow.field import given
 from flexdepth.flow.matches import Agreement
 from flexdepth.runtime.errors import InputError
 from flexdepth.scenes.correspondence import FlowFile, RaftFlow, doubts
-from flexdepth.scenes.record import record
 
 
 def frames(folder):
@@ -112,27 +109,3 @@ def test_flow_is_doubted_only_where_enough_matches_contradict_it():
     assert doubts(Agreement(20, 0.5)) == ()
     assert doubts(Agreement(19, 0.0)) == ()
     assert doubts(Agreement(0, float("nan"))) == ()
-
-
-@pytest.mark.parametrize("right", [True, False])
-def test_the_record_says_whether_akaze_finds_what_the_flow_says(right, pair, hills, solution):
-    views = replace(
-        solution.views, pictures=dict(zip(("key", "target"), frames(pair), strict=True))
-    )
-    flow = given(hills[1] if right else -hills[1], (160, 120), 0.1)
-    document = record(replace(solution, views=views, flow=flow), {})
-    assert document["akaze"]["matches"] >= 20
-    if right:
-        assert document["akaze"]["agree_with_flow"] > 0.9
-        assert document["warnings"] == []
-    else:
-        assert document["akaze"]["agree_with_flow"] < 0.1
-        assert "AKAZE matches" in document["warnings"][0]
-
-
-def test_frames_without_a_match_leave_the_flow_in_peace(solution):
-    ramp = np.tile(np.arange(48, dtype=np.uint8)[:, None], (36, 1, 3))
-    views = replace(solution.views, pictures={"key": ramp, "target": ramp})
-    document = record(replace(solution, views=views), {})
-    assert document["akaze"] == {"matches": 0, "agree_with_flow": None}
-    assert document["warnings"] == []

@@ -6,11 +6,13 @@ import pytest
 import trimesh
 from PIL import Image
 
+from flexdepth.flow.matches import Agreement
 from flexdepth.runtime.depthmap import Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.files import read_depth
 from flexdepth.scenes.files import all_made, products, write_solution
 from flexdepth.scenes.space import cloud
+from flexdepth.solvers.two_frame import Unknown
 
 ORIGIN = {"key": "sha256:1", "objective": "dense"}
 WANTED = products(["glb", "ply"])
@@ -95,6 +97,26 @@ def test_the_record_says_how_things_move(folder):
     assert said["regions"][1]["scale_from"] == "contact"
     assert said["share_by_reason"]["sky"] == pytest.approx(8 / 48, abs=1e-6)
     assert said["unit"] == "the camera's way"
+
+
+def test_the_record_says_how_far_the_flow_is_borne_out(folder, solution, tmp_path):
+    said = json.loads((folder / "solution.json").read_text())
+    assert said["akaze"] == {"matches": 40, "agree_with_flow": 0.9}
+    nothing = replace(solution, borne_out=Agreement(0, float("nan")))
+    write_solution(nothing, WANTED, tmp_path / "other", ORIGIN)
+    said = json.loads((tmp_path / "other" / "solution.json").read_text())
+    assert said["akaze"] == {"matches": 0, "agree_with_flow": None}
+
+
+def test_the_record_says_what_the_prior_has_a_part_in(folder, solution, found, tmp_path):
+    said = json.loads((folder / "solution.json").read_text())
+    assert (said["prior"], said["prior_tells"]) == (None, None)
+    prior = replace(solution.depth, model="seer 1.0")
+    shares = np.where(found.unknown == Unknown.SKY, 1.0, 0.0)
+    asked = replace(solution, prior=prior, found=replace(found, prior_share=shares))
+    write_solution(asked, WANTED, tmp_path / "other", ORIGIN)
+    said = json.loads((tmp_path / "other" / "solution.json").read_text())
+    assert (said["prior"], said["prior_tells"]) == ("seer 1.0", "sky")
 
 
 def test_the_mask_is_a_picture_that_scripts_can_read(folder, found):

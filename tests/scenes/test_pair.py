@@ -2,6 +2,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from flexdepth.flow.dis import Dis
 from flexdepth.flow.field import FlowField, given
@@ -16,8 +17,10 @@ from flexdepth.scenes.objective import Objective
 from flexdepth.scenes.origin import origin
 from flexdepth.scenes.own_motion import turned
 from flexdepth.scenes.pair import PairSettings, solve
+from flexdepth.scenes.prior import Told, told
 from flexdepth.scenes.views import ViewFiles
 from flexdepth.scenes.words import cautions
+from flexdepth.solvers.two_frame import Unknown
 
 
 @dataclass(frozen=True)
@@ -104,7 +107,6 @@ def test_depth_of_the_key_frame_alone_is_the_prior(settings, asked, monkeypatch)
     assert seen.prior.metric
     assert (seen.prior.spread > 0).all()
     np.testing.assert_array_equal(seen.prior.depth, solution.prior.depth)
-    assert "seer 1.0" in solution.depth.model
 
 
 @pytest.mark.parametrize("said", [FocalSource.GIVEN, FocalSource.ASSUMED])
@@ -155,6 +157,60 @@ def test_the_flow_that_is_kept_is_the_one_that_depth_and_motion_explain(settings
     place = there[:, :2] / there[:, 2:] - (here / here[:, 2:])[:, :2]
     left = np.linalg.norm(flow.flow[seen] - place * solution.camera.focal_x, axis=1)
     np.testing.assert_allclose(found.residual[seen], left, atol=1e-3)
+
+
+@pytest.mark.parametrize("right", [True, False])
+def test_akaze_is_asked_whether_the_flow_is_right(right, settings, hills, monkeypatch, found):
+    flow = hills[1] if right else -hills[1]
+    answered = replace(found, flow=flow.astype(float), noise=np.full(flow.shape[:2], 0.1))
+    monkeypatch.setattr(scene, "solved", lambda *_: answered)
+    solution = solve(settings)
+    assert solution.borne_out.matches >= 20
+    if right:
+        assert solution.borne_out.share > 0.9
+        assert solution.warnings == ()
+    else:
+        assert solution.borne_out.share < 0.1
+        assert "AKAZE matches" in solution.warnings[0]
+
+
+def test_frames_without_a_match_leave_the_flow_in_peace(settings, files, found, monkeypatch):
+    ramp = np.tile(np.linspace(0, 255, 160).astype(np.uint8)[:, None], (120, 1, 3))
+    for path in (files.key, files.target):
+        Image.fromarray(ramp).save(path)
+    answered = replace(found, flow=np.zeros((120, 160, 2)), noise=np.full((120, 160), 0.1))
+    monkeypatch.setattr(scene, "solved", lambda *_: answered)
+    solution = solve(replace(settings, flow=Sideways()))
+    assert solution.borne_out.matches == 0
+    assert not any("AKAZE" in line for line in solution.warnings)
+
+
+@pytest.mark.parametrize(
+    ("share", "sky", "model"),
+    [
+        ("part", True, "flexdepth solve (regions), seer 1.0"),
+        ("none", True, "flexdepth solve (regions), sky by seer 1.0"),
+        ("none", False, "flexdepth solve (regions)"),
+    ],
+)
+def test_a_prior_is_named_only_for_what_is_its_own(share, sky, model, settings, found, monkeypatch):
+    seen_alone = DepthMap(np.ones((120, 160), np.float32), Space.SCALE, None, "seer 1.0")
+    unknown = found.unknown if sky else np.where(found.unknown == Unknown.SKY, 2, found.unknown)
+    # The whole share is the prior's in the sky; where nothing has depth it does not count.
+    shares = np.where(found.valid, 0.2 if share == "part" else 0.0, 1.0)
+    answered = replace(found, unknown=unknown.astype(np.uint8), prior_share=shares)
+    monkeypatch.setattr(scene, "single_image_depth", lambda *_: (seen_alone, ()))
+    monkeypatch.setattr(scene, "solved", lambda *_: answered)
+    assert solve(replace(settings, prior="seer")).depth.model == model
+
+
+def test_a_prior_that_cannot_be_tied_to_what_the_frames_show_is_not_named(settings, monkeypatch):
+    blind = DepthMap(np.full((120, 160), np.nan, np.float32), Space.METRIC, None, "seer 1.0")
+    monkeypatch.setattr(scene, "single_image_depth", lambda *_: (blind, ()))
+    solution = solve(replace(settings, prior="seer"))
+    assert any("the single-image depth is left out" in line for line in solution.warnings)
+    assert solution.depth.model == "flexdepth solve (regions)"
+    assert told(solution.found) is Told.NOTHING
 
 
 def test_half_a_stereo_camera_is_refused(files):

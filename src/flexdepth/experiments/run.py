@@ -3,7 +3,7 @@
 import copy
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
 
@@ -26,7 +26,14 @@ from flexdepth.runtime.errors import InputError
 from flexdepth.training.batches import Pairs
 from flexdepth.training.checkpoint import load, restore, save, source
 from flexdepth.training.curves import Curves
-from flexdepth.training.loop import Run, Sources, check_shares, train
+from flexdepth.training.loop import (
+    LoopSettings,
+    Run,
+    Sources,
+    check_shares,
+    out_of_patience,
+    train,
+)
 from flexdepth.training.memory import memory_told
 from flexdepth.training.processes import Place, joined
 from flexdepth.training.record import Record, Silence, taken_up
@@ -129,6 +136,9 @@ def _train_in(
 ) -> None:
     """Train, and leave log, curves and checkpoints in a folder."""
     check_writable(folder)
+    if _lost_patience(run, experiment.loop):
+        show(_ended(run, experiment.loop))
+        return
     show(
         f"{'resuming' if run.iteration else 'starting'} at iteration {run.iteration} of "
         f"{experiment.loop.iterations} with {len(sources.training)} images, "
@@ -153,12 +163,20 @@ def _train_in(
         save(folder / LATEST, checkpoint)
 
     train(run, experiment.loop, experiment.terms, sources, record, keep)
-    if run.iteration < experiment.loop.iterations:
-        show(
-            f"ended early, at iteration {run.iteration} of {experiment.loop.iterations}: "
-            f"loop.patience is {experiment.loop.patience}, and so many validations in a row did "
-            f"not lower the held-out AbsRel, {min(run.errors):.4f} at best"
-        )
+    if _lost_patience(run, experiment.loop):
+        show(_ended(run, experiment.loop))
+
+
+def _lost_patience(run: Run, loop: LoopSettings) -> bool:
+    return run.iteration < loop.iterations and out_of_patience(run.errors, loop.patience)
+
+
+def _ended(run: Run, loop: LoopSettings) -> str:
+    return (
+        f"ended early, at iteration {run.iteration} of {loop.iterations}: loop.patience is "
+        f"{loop.patience}, and so many validations in a row did not lower the held-out AbsRel, "
+        f"{min(run.errors):.4f} at best; with more patience or iterations it goes on"
+    )
 
 
 def _begun(
@@ -175,13 +193,17 @@ def _begun(
         return Run.started(network, experiment.loop, place)
     stored = load(latest)
     theirs = CODEC.restored(Experiment, stored.settings, str(latest))
-    if theirs != experiment:
+    same = replace(theirs, loop=experiment.loop) == experiment
+    if not (same and theirs.loop.goes_on_with(experiment.loop, stored.errors)):
+        as_patient = replace(theirs.loop, patience=experiment.loop.patience)
         raise InputError(
             f"{latest}: belongs to a run of other settings; take another folder "
-            f"({difference(theirs, experiment)})"
+            f"({difference(replace(theirs, loop=as_patient), experiment)})"
         )
     run = Run.started(network, experiment.loop, place)
     run.resume(stored, str(latest))
+    if experiment.loop.iterations > theirs.loop.iterations:
+        run.errors.clear()  # What is asked for is more of it: its patience counts anew.
     return run
 
 

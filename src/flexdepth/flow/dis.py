@@ -12,15 +12,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from flexdepth.flow.field import Flow, FlowField, checked, likeness
+from flexdepth.flow.field import Flow, FlowField, checked, without_cut
 from flexdepth.flow.frames import Image, gray_pair
 from flexdepth.flow.semi_global import Words, census, misfit, rough_flow
-from flexdepth.runtime.errors import InputError
-
-_ENOUGH = 0.1
-_ALIKE = 0.85
-# Unrelated frames: the search finds a place for up to a third of the pixels of small ones, but
-# their grays then correlate by .64 to .76; pairs of KITTI, Sintel and 7-Scenes by .96 or more.
 
 _FLOOR = 0.02
 _UNDERSTATEMENT = 2.0
@@ -80,30 +74,3 @@ class Dis:
         search.setFinestScale(self.finest)
         search.setVariationalRefinementIterations(self.refinements)
         return search
-
-
-def without_cut(key: Image, target: Image, found: FlowField) -> FlowField:
-    """Return the flow as it is, where it does not look as if there were a cut between the frames.
-
-    Args:
-        key: Gray.
-        target: Gray.
-        found: From key to target, by whatever method that matches both ways.
-
-    Raises:
-        InputError: Hardly anything is found again, or what is looks different.
-    """
-    if found.coverage < _ENOUGH:
-        raise InputError(
-            f"only {found.coverage:.0%} of the key frame is found again in the target and "
-            f"back, {_ENOUGH:.0%} are wanted; is there a cut between them? take frames that "
-            "see the same scene, closer in time"
-        )
-    alike = likeness(key, target, found)
-    if not alike >= _ALIKE:  # NaN where nothing that is matched has texture.
-        raise InputError(
-            f"what is matched looks different in the two frames: its grays correlate by "
-            f"{alike:.2f}, {_ALIKE} is wanted; is there a cut between them? take frames "
-            "that see the same scene"
-        )
-    return found

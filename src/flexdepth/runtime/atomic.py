@@ -31,10 +31,11 @@ def check_writable(folder: Path) -> None:
 def replacing(path: Path) -> Iterator[Path]:
     """Give a temporary path beside `path` that becomes `path` when the block ends well.
 
-    Whoever looks at `path` sees the old file or the complete new one. The temporary name is
-    hidden, lies in the same folder (which is made where it is missing) and keeps the suffix, so
-    that writers which choose their format by suffix can be used. On any failure, Ctrl-C
-    included, it is removed and `path` stays as it was.
+    Whoever looks at `path` sees the old file or the complete new one, even after a loss of power,
+    for what was written is on the disk before it has its name. The temporary name is hidden, lies
+    in the same folder (which is made where it is missing) and keeps the suffix, so that writers
+    which choose their format by suffix can be used. On any failure, Ctrl-C included, it is removed
+    and `path` stays as it was.
 
     Args:
         path: The file to make or to replace.
@@ -47,6 +48,8 @@ def replacing(path: Path) -> Iterator[Path]:
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             yield temporary
+            with temporary.open("rb+") as file:
+                os.fsync(file.fileno())
             os.replace(temporary, path)
         finally:
             with suppress(OSError):

@@ -6,6 +6,7 @@ import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib import import_module
 from io import BytesIO
 from pathlib import Path
 from threading import Lock
@@ -33,9 +34,11 @@ _FORMATS = {
     "JPEG2000": (".jp2", ".j2k", ".jpx", ".j2c"),
     "AVIF": (".avif",),
 }
-_FORMAT_OF_SUFFIX = {suffix: name for name, suffixes in _FORMATS.items() for suffix in suffixes}
+_HEIC = {"HEIF": (".heic", ".heif", ".hif")}
+_FORMAT_OF_SUFFIX = {
+    suffix: name for name, suffixes in (_FORMATS | _HEIC).items() for suffix in suffixes
+}
 _STARTS = (b"\xff\xd8\xff", b"\x89PNG\r\n", b"GIF8", b"II*\0", b"MM\0*")
-_HEIC_SUFFIXES = (".heic", ".heif")
 # A raw file is a TIFF whose first picture is a thumbnail: it would be read, and wrongly.
 _RAW_SUFFIXES = (".dng", ".nef", ".cr2", ".cr3", ".arw", ".orf", ".rw2", ".raf", ".pef", ".srw")
 
@@ -86,10 +89,30 @@ class Photo:
 def is_picture_name(path: Path) -> bool:
     """Return whether a file of this name is taken for a photo when a folder is listed.
 
-    HEIC counts, though it cannot be read: a photo that is left out without a word is worse than
-    a message that says what to do.
+    HEIC counts, though it cannot be read without an extra: a photo that is left out without a
+    word is worse than a message that says what to do.
     """
-    return path.suffix.lower() in (*_FORMAT_OF_SUFFIX, *_HEIC_SUFFIXES)
+    return path.suffix.lower() in _FORMAT_OF_SUFFIX
+
+
+def photos_in(folder: Path, pattern: str) -> list[Path]:
+    """Return the photos in a folder, sorted by their paths.
+
+    Args:
+        folder: Where they are looked for.
+        pattern: Of their paths in it: `*` are those in the folder itself, `**/*` those below too.
+
+    Raises:
+        InputError: There is no such folder, or no photo in it.
+    """
+    if not folder.is_dir():
+        raise InputError(f"{folder}: no such folder of photos")
+    found = sorted(
+        path for path in folder.glob(pattern) if path.is_file() and is_picture_name(path)
+    )
+    if not found:
+        raise InputError(f"{folder}: holds no photo; put .jpg or .png files into it")
+    return found
 
 
 def starts_like_picture(path: Path) -> bool:
@@ -125,7 +148,11 @@ def read_photo(path: Path, max_pixels: int = 200_000_000) -> Photo:
         except InputError:
             raise
         except UnidentifiedImageError as error:
-            raise InputError(f"{path}: {_why_no_picture(file)}") from error
+            kinds = ", ".join(_FORMATS)
+            raise InputError(
+                f"{path}: is no picture that can be read, or its start is damaged; save it as one "
+                f"of {kinds}"
+            ) from error
         except MemoryError as error:
             raise InputError(f"{path}: does not fit in memory; make it smaller") from error
         except _DAMAGE as error:
@@ -137,7 +164,7 @@ def read_photo(path: Path, max_pixels: int = 200_000_000) -> Photo:
 
 
 def _decode(path: Path, file: BinaryIO, max_pixels: int) -> tuple[NDArray[np.uint8], float | None]:
-    with _without_pillows_limit(), Image.open(file, formats=tuple(_FORMATS)) as image:
+    with _without_pillows_limit(), _opened(path, file) as image:
         if image.width * image.height > max_pixels:
             raise InputError(
                 f"{path}: has {image.width} x {image.height} pixels, the limit is {max_pixels}; "
@@ -150,6 +177,20 @@ def _decode(path: Path, file: BinaryIO, max_pixels: int) -> tuple[NDArray[np.uin
         return np.array(colours if turn is None else colours.transpose(turn)), focal
 
 
+def _opened(path: Path, file: BinaryIO) -> Image.Image:
+    start = file.read(32)
+    file.seek(0)
+    if start[4:8] != b"ftyp" or b"hei" not in start:
+        return Image.open(file, formats=tuple(_FORMATS))
+    try:
+        opened: Image.Image = import_module("pillow_heif").HeifImageFile(file)
+    except ModuleNotFoundError as missing:
+        raise InputError(
+            f'{path}: is HEIC; pip install "flexdepth[heic]" reads it, or export it as JPEG or PNG'
+        ) from missing
+    return opened
+
+
 @contextmanager
 def _without_pillows_limit() -> Iterator[None]:
     before = Image.MAX_IMAGE_PIXELS
@@ -158,15 +199,6 @@ def _without_pillows_limit() -> Iterator[None]:
         yield
     finally:
         Image.MAX_IMAGE_PIXELS = before
-
-
-def _why_no_picture(file: BinaryIO) -> str:
-    file.seek(0)
-    start = file.read(32)
-    if start[4:8] == b"ftyp" and b"hei" in start:
-        return "is HEIC, which is not read; export it as JPEG or PNG"
-    kinds = ", ".join(_FORMATS)
-    return f"is no picture that can be read, or its start is damaged; save it as one of {kinds}"
 
 
 def _warn_of_name(path: Path, name: str) -> None:

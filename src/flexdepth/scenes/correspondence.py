@@ -7,8 +7,7 @@ from typing import Protocol
 import cv2
 import numpy as np
 
-from flexdepth.flow.dis import without_cut
-from flexdepth.flow.field import Flow, FlowField, checked, given, likeness
+from flexdepth.flow.field import Flow, FlowField, checked, given, likeness, without_cut
 from flexdepth.flow.frames import Image, gray_pair
 from flexdepth.flow.matches import Agreement
 from flexdepth.runtime.errors import InputError

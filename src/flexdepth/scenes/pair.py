@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 from flexdepth.flow.along_lines import AlongLines
 from flexdepth.flow.dis import Dis
 from flexdepth.flow.field import FlowField
+from flexdepth.flow.matches import Agreement, Akaze, agreement
 from flexdepth.runtime.depthmap import DepthMap, FocalSource, Intrinsics, Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.lens import Lens
-from flexdepth.scenes.correspondence import FlowFile, FlowMethod
+from flexdepth.scenes.correspondence import FlowFile, FlowMethod, doubts
 from flexdepth.scenes.objective import Objective, solved
-from flexdepth.scenes.prior import BUNDLED, as_prior, single_image_depth
+from flexdepth.scenes.prior import BUNDLED, Told, as_prior, single_image_depth, told
 from flexdepth.scenes.stereo import right_view
 from flexdepth.scenes.views import Picture, ViewFiles, Views, read_views
 from flexdepth.solvers.two_frame import Seen, Stereo, ThirdFrame, TwoFrame
@@ -79,6 +80,7 @@ class Solution:
     Attributes:
         views: The pictures, at the size that was solved.
         flow: From key to target, as it was used: with what a second look has found.
+        borne_out: How far AKAZE matches, found by other means, agree with that flow.
         prior: Depth from the key frame alone; None where it was not asked.
         found: Depth and motion of every pixel.
         model: Who made the depth, for its file.
@@ -87,6 +89,7 @@ class Solution:
 
     views: Views
     flow: FlowField
+    borne_out: Agreement
     prior: DepthMap | None
     found: TwoFrame
     model: str
@@ -155,11 +158,25 @@ def solve(settings: PairSettings, say: Callable[[str], None] = lambda _step: Non
         seen = replace(seen, target=pictures["target"], search=search)
     say("solving")
     found = solved(settings.objective, seen, pictures["key"], pictures["target"])
-    model = f"flexdepth solve ({settings.objective})"
-    if prior is not None:
-        model += f", {prior.model}"
-    notes = (*views.warnings, *more.notes, *licence, *found.notes)
-    return Solution(views, _used(found), prior, found, model, notes)
+    used = _used(found)
+    borne_out = agreement(used, Akaze().between(pictures["key"], pictures["target"]))
+    notes = (*views.warnings, *more.notes, *licence, *found.notes, *doubts(borne_out))
+    model = _model(settings.objective, prior, found)
+    return Solution(views, used, borne_out, prior, found, model, notes)
+
+
+def _model(objective: Objective, prior: DepthMap | None, found: TwoFrame) -> str:
+    """Return who made the depth: the solver, and the prior where it has a part in it."""
+    own = f"flexdepth solve ({objective})"
+    if prior is None:
+        return own
+    match told(found):
+        case Told.DEPTH:
+            return f"{own}, {prior.model}"
+        case Told.SKY:
+            return f"{own}, sky by {prior.model}"
+        case Told.NOTHING:
+            return own
 
 
 def _used(found: TwoFrame) -> FlowField:

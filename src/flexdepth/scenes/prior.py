@@ -1,5 +1,6 @@
 """Depth from the key frame alone, as the solver takes it."""
 
+from enum import StrEnum
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from flexdepth.runtime.lens import FocalLength
 from flexdepth.runtime.licences import remark
 from flexdepth.runtime.named import Wishes, named_estimator
 from flexdepth.scenes.views import Picture
-from flexdepth.solvers.two_frame import Prior
+from flexdepth.solvers.two_frame import Prior, TwoFrame, Unknown
 
 BUNDLED = "compact"
 """The model that comes with flexdepth."""
@@ -23,6 +24,23 @@ not say its own: between what the bundled model is off by on KITTI and on NYU.""
 
 _LEAST_SPREAD = 0.02
 """No single picture tells depth better than this."""
+
+
+class Told(StrEnum):
+    """What of a solution the prior has a part in."""
+
+    DEPTH = "depth"
+    SKY = "sky"
+    """Alone: its unit could not be tied to what the frames show."""
+    NOTHING = "nothing"
+
+
+def told(found: TwoFrame) -> Told:
+    """Return what the prior has a part in, of what was solved with one."""
+    share = found.prior_share
+    if share is not None and (share[found.valid] > 0).any():
+        return Told.DEPTH
+    return Told.SKY if (found.unknown == Unknown.SKY).any() else Told.NOTHING
 
 
 def opened(model: str | Path, camera: Intrinsics | None = None) -> Estimator:

@@ -8,11 +8,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdepth.flow.matches import Agreement, Akaze, agreement
+from flexdepth.flow.matches import Agreement
 from flexdepth.runtime.formats.meaning import Meaning, plain
 from flexdepth.runtime.origin import Origin
-from flexdepth.scenes.correspondence import doubts
 from flexdepth.scenes.pair import Solution
+from flexdepth.scenes.prior import told
 from flexdepth.scenes.words import cautions, position, summary
 from flexdepth.solvers.pose import Pose, angle
 from flexdepth.solvers.two_frame import TwoFrame, Unknown
@@ -52,8 +52,6 @@ def record(solution: Solution, origin: Origin) -> dict[str, object]:
     meaning = Meaning.of(depth, plain(depth.space), origin).record()
     shares = np.bincount(found.unknown.ravel(), minlength=len(Unknown)) / found.unknown.size
     width, height = solution.views.size
-    key, target = (solution.views.pictures[name] for name in ("key", "target"))
-    borne_out = agreement(solution.flow, Akaze().between(key, target))
     return {
         "version": VERSION,
         "flexdepth": version("flexdepth"),
@@ -73,13 +71,14 @@ def record(solution: Solution, origin: Origin) -> dict[str, object]:
             "residual": _median(found.residual),
             "flow_noise": _median(solution.flow.noise),
         },
-        "akaze": _akaze(borne_out),
+        "akaze": _akaze(solution.borne_out),
         "prior_share": None if found.prior_share is None else _mean(found.prior_share),
         "prior": None if solution.prior is None else solution.prior.model,
+        "prior_tells": None if solution.prior is None else told(found),
         "summary": summary(solution),
         "arrays": ARRAYS,
         "unknown_codes": {reason.name.lower(): int(reason) for reason in Unknown},
-        "warnings": [*cautions(solution), *doubts(borne_out)],
+        "warnings": cautions(solution),
         "origin": dict(origin),
     }
 

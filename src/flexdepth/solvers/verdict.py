@@ -25,10 +25,11 @@ def answer(world: World, seen: Seen, clear: float) -> TwoFrame:
     parallax = np.linalg.norm(way, axis=-1)
     static = world.labels == 0
     parallax = np.where(static, along_of(sight, world.camera).parallax, parallax)
-    unknown = _reasons(world, seen, parallax < -clear * sight.noise * world.camera.noise_factor)
+    flowing = seen.known | sight.trusted
+    unknown = _reasons(world, flowing, parallax < -clear * sight.noise * world.camera.noise_factor)
     known = unknown == Unknown.KNOWN
     scales = np.array([region.scale_spread for region in world.regions])[world.labels]
-    nothing = np.where(seen.known | sight.trusted, 0.0, np.nan)
+    nothing = np.where(flowing, 0.0, np.nan)
     depth = np.where(known, 1 / np.where(known, inverse, 1.0), np.nan)
     return TwoFrame(
         depth=np.where(unknown == Unknown.SKY, np.inf, depth),
@@ -51,13 +52,21 @@ def answer(world: World, seen: Seen, clear: float) -> TwoFrame:
     )
 
 
-def _reasons(world: World, seen: Seen, behind: NDArray[np.bool_]) -> NDArray[np.intp]:
-    """Return why each pixel has no depth."""
+def _reasons(
+    world: World, flowing: NDArray[np.bool_], behind: NDArray[np.bool_]
+) -> NDArray[np.intp]:
+    """Return why each pixel has no depth, by the flow that was used.
+
+    Args:
+        world: As it was solved.
+        flowing: Where there is any flow, trusted or not.
+        behind: Where flow would put what is still behind the camera.
+    """
     lost = np.array([region.evidence is Evidence.UNKNOWN for region in world.regions])
     lost = lost[world.labels]
     known = np.isfinite(world.shape_spread) & (world.inverse_depth > 0) & ~lost
     sky = np.zeros_like(known) if world.sky is None else world.sky
-    tests = [sky, known, ~seen.known, ~seen.trusted, lost, behind & (world.labels == 0)]
+    tests = [sky, known, ~flowing, ~world.sight.trusted, lost, behind & (world.labels == 0)]
     reasons = [
         Unknown.SKY,
         Unknown.KNOWN,

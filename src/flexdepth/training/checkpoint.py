@@ -4,7 +4,6 @@ Nothing in it is executed when it is read, and it appears whole or not at all.
 """
 
 import json
-import os
 import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -63,8 +62,6 @@ def save(path: Path, checkpoint: Checkpoint) -> None:
         mode = temporary.stat().st_mode
         save_file(tensors, temporary, metadata=words)
         temporary.chmod(mode)  # safetensors lets its writer alone read it
-        with temporary.open("rb+") as file:
-            os.fsync(file.fileno())  # days of work: not to be lost with the machine's power
 
 
 def load(path: Path) -> Checkpoint:

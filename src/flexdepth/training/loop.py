@@ -8,8 +8,8 @@ processes', and terms that are a mean over the pixels or triangles of a batch.
 """
 
 import copy
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from math import inf
 from typing import Any, Literal
 
@@ -80,6 +80,20 @@ class LoopSettings:
         if not 0 <= self.average_decay < 1:
             raise InputError(f"average_decay lies in [0, 1), got {self.average_decay:g}")
 
+    def goes_on_with(self, asked: "LoopSettings", errors: Sequence[float]) -> bool:
+        """Return whether a run with these settings may go on with those that are asked for.
+
+        Another patience changes no step of a run, only where it ends. More iterations change the
+        rate: they are for a run that has ended by its patience.
+
+        Args:
+            asked: Other settings.
+            errors: Held out, of every validation of the run, in order.
+        """
+        ended = out_of_patience(errors, self.patience) and asked.iterations > self.iterations
+        iterations = asked.iterations if ended else self.iterations
+        return replace(self, patience=asked.patience, iterations=iterations) == asked
+
 
 @dataclass(eq=False)
 class Run:
@@ -133,13 +147,14 @@ class Run:
         tensors = {f"{part}.{k}": v for part, named in parts.items() for k, v in named.items()}
         return Checkpoint(self.iteration, settings, tensors, source, tuple(self.errors))
 
-    def out_of_patience(self, patience: int | None) -> bool:
-        """Return whether so many validations in a row, the last among them, lowered no error."""
-        lowest, since = inf, 0
-        for error in self.errors:
-            since = 0 if error < lowest else since + 1
-            lowest = min(lowest, error)
-        return patience is not None and since >= patience
+
+def out_of_patience(errors: Sequence[float], patience: int | None) -> bool:
+    """Return whether so many validations in a row, the last among them, lowered no error."""
+    lowest, since = inf, 0
+    for error in errors:
+        since = 0 if error < lowest else since + 1
+        lowest = min(lowest, error)
+    return patience is not None and since >= patience
 
 
 @dataclass(frozen=True)
@@ -175,7 +190,7 @@ def train(
     """
     place = run.place
     check_shares(settings, place)
-    if run.out_of_patience(settings.patience):
+    if out_of_patience(run.errors, settings.patience):
         return
     batches = Batches(
         sources.training, settings.batches, settings.iterations, place.rank, place.count
@@ -196,7 +211,7 @@ def train(
             record.scores(run.iteration, scores)
             run.errors.append(scores[SCORES[0]])
             save(run, run.errors[-1])
-            if run.out_of_patience(settings.patience):
+            if out_of_patience(run.errors, settings.patience):
                 return
 
 

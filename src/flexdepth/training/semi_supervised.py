@@ -24,7 +24,7 @@ from flexdepth.runtime.atomic import replacing
 from flexdepth.runtime.depthmap import DepthMap, Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.files import write_depth
-from flexdepth.runtime.images import Photo, is_picture_name, read_photo
+from flexdepth.runtime.images import Photo, photos_in, read_photo
 from flexdepth.runtime.lens import Said, intrinsics
 from flexdepth.runtime.sizes import resized
 from flexdepth.sample import Frame, Prediction, Sample, in_metres
@@ -131,17 +131,12 @@ def _at(values: Float[Tensor, "1 _ _"], height: int, width: int) -> Float[Tensor
 
 
 def unlabelled_photos(folder: Path) -> list[Path]:
-    """Return the photos in a folder, by name.
+    """Return the photos in a folder, by name; not those below it, for labels have their names.
 
     Raises:
         InputError: There is no such folder, or no photo in it.
     """
-    if not folder.is_dir():
-        raise InputError(f"{folder}: no such folder of photos")
-    found = sorted(path for path in folder.iterdir() if is_picture_name(path))
-    if not found:
-        raise InputError(f"{folder}: holds no photo; put .jpg or .png files into it")
-    return found
+    return photos_in(folder, "*")
 
 
 def write_labels(
