@@ -10,11 +10,11 @@ ALONE := $(BIN)/python -m pip --python .wheel-venv/bin/python
 DEMO := predict $(PHOTO) --preview --points glb --overwrite
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test wheel-test lint unit model bench-quality bench-certainty bench-scoring \
-	bench-speed bench-ego bench-solve clean
+.PHONY: help demo test wheel-test lint unit model bench-quality bench-certainty bench-stability \
+	bench-scoring bench-speed bench-ego bench-solve clean
 
 help:  ## list the targets
-	@awk -F ':.*  ## ' '/^[a-z-]+:.*  ## / {printf "%-14s %s\n", $$1, $$2}' Makefile
+	@awk -F ':.*  ## ' '/^[a-z-]+:.*  ## / {printf "%-15s %s\n", $$1, $$2}' Makefile
 
 demo: .venv/base.stamp  ## install the light runtime and write the depth of a photo into depth/
 	$(BIN)/flexdepth $(DEMO) -o depth
@@ -55,6 +55,9 @@ bench-quality: .venv/full.stamp  ## error on real pictures with measured depth (
 
 bench-certainty: .venv/full.stamp  ## whether the model knows how far off it is (SAMPLES=DIR)
 	$(BIN)/python benchmarks/certainty.py --samples $(SAMPLES)
+
+bench-stability: .venv/full.stamp  ## whether depth stays when the picture hardly changes, and is flat (SAMPLES=DIR)
+	$(BIN)/python benchmarks/stability.py --photos $(SAMPLES)/wild_depth_anything_v2
 
 bench-scoring: .venv/full.stamp  ## time and memory of scoring 697 predictions
 	$(BIN)/python benchmarks/scoring.py
