@@ -61,6 +61,10 @@ class Limit:
         return f"{self.sign} {written(self.value)}"
 
 
+IMAGE_SECONDS = Limit("<=", 0.35)
+"""CPU time of rendering an image of 256x192 on one core, one sample a pixel."""
+
+
 @dataclass(frozen=True)
 class Bar:
     """One number beside what is asked of it.

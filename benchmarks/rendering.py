@@ -1,9 +1,10 @@
 """CPU seconds that `flexdepth synth` takes for an image of each kind of world.
 
-    .venv/bin/python benchmarks/rendering.py [--scenes 4] [--width 256] [--height 192]
+    .venv/bin/python benchmarks/rendering.py [--scenes 4] [--strict]
 
 The clock counts the process's own time, so that other work on the machine matters little. A scene
-is built once and seen from `VIEWS` viewpoints, as the command does it.
+is built once and seen from `VIEWS` viewpoints, as the command does it. The mean over the kinds, by
+their shares in a world, stands beside what is asked of it (bars.py).
 """
 
 import argparse
@@ -15,24 +16,26 @@ import time
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
+from bars import IMAGE_SECONDS, Bar, written
+from verdict import verdict
 
-from flexdepth.synth.generate import VIEWS, SynthSettings
-from flexdepth.synth.lens import photograph
+from flexdepth.synth.generate import VIEWS, SynthSettings, taken
 from flexdepth.synth.library import Library
-from flexdepth.synth.render import render, worth_taking
+from flexdepth.synth.render import worth_taking
 from flexdepth.synth.stage import Stage
 from flexdepth.synth.viewpoints import viewpoint
 from flexdepth.synth.worlds import INDOORS, OUTDOORS, Make
 
+SIZE = 256, 192
+"""Pixels of an image, width and height."""
+
 _ATTEMPTS = 40
 
 
-def image_seconds(
-    make: Make, library: Library, scenes: int, size: tuple[int, int]
-) -> tuple[float, float, float]:
+def image_seconds(make: Make, library: Library, scenes: int) -> tuple[float, float, float]:
     """Return CPU seconds an image: the scene's share, viewpoints and picture; and triangles."""
     building, taking, triangles, images = 0.0, 0.0, 0, 0
-    width, height = size
+    aspect = SIZE[0] / SIZE[1]
     for number in range(scenes):
         rng = np.random.default_rng([1, number])
         start = time.process_time()
@@ -42,10 +45,9 @@ def image_seconds(
         triangles += len(stage.uv)
         for _ in range(VIEWS):
             for _ in range(_ATTEMPTS):
-                view = viewpoint(rng, stage.scene, width / height)
-                if worth_taking(stage, view, width / height):
-                    seen = render(rng, stage, view, width, height)
-                    photograph(rng, seen.light, seen.depth, seen.focal)
+                view = viewpoint(rng, stage.scene, aspect)
+                if worth_taking(stage, view, aspect):
+                    taken(rng, stage, view, SIZE)
                     images += 1
                     break
         taking += time.process_time() - built
@@ -56,31 +58,23 @@ def main() -> int:
     """Print a row for each kind, and the mean over a world with the default shares."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--scenes", type=int, default=4, help="scenes of each kind")
-    parser.add_argument("--width", type=int, default=256)
-    parser.add_argument("--height", type=int, default=192)
-    asked = parser.parse_args()
+    parser.add_argument("--strict", action="store_true", help="exit with 1 where the bar is missed")
+    options = parser.parse_args()
     library = Library.made(np.random.default_rng(0), 4)
-    write = sys.stdout.write
-    write(
-        f"CPU seconds an image of {asked.width}x{asked.height}, {asked.scenes} scenes of a kind\n\n"
-    )
-    write("| kind | scene | picture | together | triangles |\n|---|---|---|---|---|\n")
+    print(f"CPU seconds an image of {SIZE[0]}x{SIZE[1]}, {options.scenes} scenes of a kind\n")
+    print("| kind | scene | picture | together | triangles |\n|---|---|---|---|---|")
     outdoor = SynthSettings().outdoor_share
     mean = 0.0
     for table, part in ((INDOORS, 1 - outdoor), (OUTDOORS, outdoor)):
         total = sum(share for share, _ in table)
         for share, make in table:
-            scene, picture, triangles = image_seconds(
-                make, library, asked.scenes, (asked.width, asked.height)
-            )
+            scene, picture, triangles = image_seconds(make, library, options.scenes)
             mean += part * share / total * (scene + picture)
-            write(
-                f"| {make.__name__} | {scene:.2f} | {picture:.2f} | {scene + picture:.2f} "
-                f"| {triangles:.0f} |\n"
-            )
-            sys.stdout.flush()
-    write(f"| a world with the default shares | | | {mean:.2f} | |\n")
-    return 0
+            numbers = f"{scene:.2f} | {picture:.2f} | {scene + picture:.2f} | {triangles:.0f}"
+            print(f"| {make.__name__} | {numbers} |", flush=True)
+    bar = Bar("CPU seconds an image, mean by the kinds' shares", mean, IMAGE_SECONDS)
+    print(f"\n{bar.name}  asked {bar.limit}  measured {written(mean)}  {verdict(bar.met)}")
+    return int(options.strict and not bar.met)
 
 
 if __name__ == "__main__":

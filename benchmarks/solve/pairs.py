@@ -12,18 +12,19 @@ from flexdepth.flow.dis import Dis
 from flexdepth.runtime.depthmap import FocalSource, Intrinsics
 from flexdepth.synth.correspondence import other_from_this
 from flexdepth.synth.generate import VERSION, SynthSettings
-from flexdepth.synth.motion import Motion
+from flexdepth.synth.motion import Footing, Motion
 from flexdepth.synth.sequence import SEQUENCE_VERSION, SequenceSettings, filmed, take
 
 HERE = Path(__file__).parent
 SYNTH = f"{VERSION}.{SEQUENCE_VERSION}"
-PAIR_VERSION = 2
+PAIR_VERSION = 3
 """Raised when a pair holds something else."""
 KEPT = HERE.parents[1] / "build" / "solve-suite" / f"{SYNTH}-{PAIR_VERSION}"
 SAID_OF_EXACT = 0.01
 """Pixels: a solver must be told some noise."""
 
 STATIC, RIGID, FLEXIBLE = 0, 1, 2
+FOOTINGS = tuple(Footing)
 Array = NDArray[np.float64]
 
 
@@ -38,8 +39,7 @@ class Pair:
         flow: Key to target, pixels; NaN where the point is then behind the camera.
         occluded: Where the target does not show the point.
         kind: 0 what is still, 1 the rigid mover, 2 the flexible one.
-        stands: Of each kind, whether it touches the ground where the key frame shows it; a mover
-            that does not is in the air.
+        footing: Of each kind, what the key frame shows of its feet: its number in `FOOTINGS`.
         rotation: Of the camera's `target_from_key`.
         translation: Metres.
         focal: Pixels; the camera looks through the middle.
@@ -51,7 +51,7 @@ class Pair:
     flow: Array
     occluded: NDArray[np.bool_]
     kind: NDArray[np.uint8]
-    stands: NDArray[np.bool_]
+    footing: NDArray[np.uint8]
     rotation: Array
     translation: Array
     focal: Array
@@ -107,8 +107,8 @@ def rendered(wanted: SequenceSettings) -> Pair:
         raise ValueError("a sequence of at least two frames is wanted")
     movers = [mover.kind for mover in shot.play.movers]
     kinds = np.array([STATIC, *(FLEXIBLE if kind.flexible else RIGID for kind in movers)])
-    stands = np.ones(len(kinds), bool)
-    stands[kinds[1:]] = [kind.stands for kind in movers]
+    footing = np.full(len(kinds), FOOTINGS.index(Footing.SEEN), np.uint8)
+    footing[kinds[1:]] = [FOOTINGS.index(each) for each in shot.footings]
     rotation, translation = other_from_this(key.camera.view, target.camera.view)
     return Pair(
         key.picture,
@@ -117,7 +117,7 @@ def rendered(wanted: SequenceSettings) -> Pair:
         key.forward.flow,
         key.forward.occluded,
         kinds[key.mover].astype(np.uint8),
-        stands,
+        footing,
         rotation,
         translation,
         np.array(shot.focal),

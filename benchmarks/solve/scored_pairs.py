@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pairs import FLEXIBLE, RIGID, STATIC, Pair, parallax
 
+from flexdepth.synth.motion import Footing
+
 LEAST_PARALLAX = 0.5
-GROUPS = ("all", "static", "rigid", "flexible", "moving", "standing", "in the air")
+GROUPS = ("all", "static", "rigid", "flexible", "moving", *(each.value for each in Footing))
 SHAPES = {"rigid shape": "rigid", "flexible shape": "flexible"}
 """A mover scored after a scale of its own: what is left of its error without its relative scale."""
 
@@ -43,15 +45,14 @@ def scored(truth: Pair) -> Mask:
 def groups(truth: Pair) -> dict[str, Mask]:
     """Return the scored pixels of each group."""
     counts = scored(truth)
-    moving, stands = counts & (truth.kind != STATIC), truth.stands[truth.kind]
+    moving, footing = counts & (truth.kind != STATIC), truth.footing[truth.kind]
     return {
         "all": counts,
         "static": counts & (truth.kind == STATIC),
         "rigid": counts & (truth.kind == RIGID),
         "flexible": counts & (truth.kind == FLEXIBLE),
         "moving": moving,
-        "standing": moving & stands,
-        "in the air": moving & ~stands,
+        **{each.value: moving & (footing == code) for code, each in enumerate(Footing)},
     }
 
 

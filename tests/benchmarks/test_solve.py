@@ -12,6 +12,7 @@ import pytest
 
 from flexdepth.runtime.errors import InputError
 from flexdepth.synth.generate import SynthSettings
+from flexdepth.synth.motion import Footing
 from flexdepth.synth.sequence import LARGE_PAIRS, PAIRS
 
 SOLVE = Path(__file__).parents[2] / "benchmarks" / "solve"
@@ -39,7 +40,7 @@ def pair(solve):
         flow=flow,
         occluded=np.zeros(shape, bool),
         kind=np.zeros(shape, np.uint8),
-        stands=np.ones(3, bool),
+        footing=np.zeros(3, np.uint8),
         rotation=np.eye(3),
         translation=np.array([-0.4, 0.0, 0.0]),
         focal=np.array(FOCAL),
@@ -51,7 +52,7 @@ def with_movers(pair):
     depth, kind = pair.depth.copy(), pair.kind.copy()
     depth[2:5, 2:6], kind[2:5, 2:6] = 2.0, 1
     depth[6:9, 2:6], kind[6:9, 2:6] = 1.0, 2
-    return replace(pair, depth=depth, kind=kind, stands=np.array([True, True, False]))
+    return replace(pair, depth=depth, kind=kind, footing=np.array([0, 0, 2], np.uint8))
 
 
 def test_the_suite_is_that_of_synth_on_the_seeds_that_are_kept_for_it(solve):
@@ -63,11 +64,12 @@ def test_the_suite_is_that_of_synth_on_the_seeds_that_are_kept_for_it(solve):
     assert settings(said, "large", 7) == replace(LARGE_PAIRS, world=SynthSettings(7, 640, 480))
 
 
-def test_a_pair_says_which_of_its_movers_stands(solve):
+def test_a_pair_says_what_is_seen_of_each_movers_feet(solve):
     pairs = solve["pairs"]
-    # Seed 1002 shows a ball that bounces and a person who stands.
+    # Movers 2004 and 2005 of the row in which every third does not show its feet.
     found = pairs.rendered(pairs.settings(pairs.suite(), "small", 1002))
-    assert found.stands.tolist() == [True, False, True]
+    told = [pairs.FOOTINGS[code] for code in found.footing]
+    assert told == [Footing.SEEN, Footing.HIDDEN, Footing.SEEN]
     assert set(np.unique(found.kind)) == {pairs.STATIC, pairs.RIGID, pairs.FLEXIBLE}
 
 
@@ -86,7 +88,8 @@ def test_one_wrong_mover_worked_by_hand(solve, pair):
     assert found["static"].abs_rel == found["flexible"].abs_rel == 0
     assert (found["rigid"].abs_rel, found["rigid"].delta1) == (pytest.approx(0.5), 0)
     assert (found["moving"].abs_rel, found["moving"].delta1) == (pytest.approx(0.25), 0.5)
-    assert (found["standing"].abs_rel, found["in the air"].abs_rel) == (pytest.approx(0.5), 0)
+    assert (found["feet seen"].abs_rel, found["in the air"].abs_rel) == (pytest.approx(0.5), 0)
+    assert "feet hidden" not in found
     assert found["all"].abs_rel == pytest.approx(0.5 * 12 / (HEIGHT * WIDTH))
     assert found["rigid shape"].abs_rel == found["flexible shape"].abs_rel == 0
 
@@ -167,7 +170,7 @@ def test_the_triangulated_baselines_find_a_still_world(solve):
         flow=flow,
         occluded=np.zeros((60, 80), bool),
         kind=np.zeros((60, 80), np.uint8),
-        stands=np.ones(3, bool),
+        footing=np.zeros(3, np.uint8),
         rotation=rotation,
         translation=np.array(translation),
         focal=np.array(100.0),

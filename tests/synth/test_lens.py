@@ -3,11 +3,9 @@ import pytest
 
 from flexdepth.synth.lens import Film, Optics, photograph
 
-STILL = np.zeros((1, 2))
-
 
 def optics(**changes):
-    plain = {"vignette": 0.0, "blur": 0.01, "aperture": 0.0, "focus": 0.5, "shake": STILL}
+    plain = {"vignette": 0.0, "blur": 0.01, "aperture": 0.0, "focus": 0.5}
     return Optics(**{**plain, **changes})
 
 
@@ -78,15 +76,6 @@ def test_corners_are_darker_by_the_vignette():
     seen = optics(vignette=0.6).image(flat)
     assert seen[50, 50, 0] == pytest.approx(1, abs=1e-3)
     assert seen[0, 0, 0] == pytest.approx(1 - 0.6 / 2, abs=0.01)
-
-
-def test_shaking_along_x_blurs_vertical_edges_only():
-    light = np.zeros((40, 40, 3), np.float32)
-    light[10:30, 10:30] = 1
-    shaken = optics(shake=np.stack([np.linspace(-3, 3, 13), np.zeros(13)], 1)).image(light)
-    assert shaken.sum() == pytest.approx(light.sum(), rel=1e-3)
-    assert np.abs(np.diff(shaken[20, :, 0])).max() < 0.4
-    assert np.abs(np.diff(shaken[:, 20, 0])).max() > 0.9
 
 
 def test_a_film_with_one_camera_takes_all_frames_alike_but_for_noise():

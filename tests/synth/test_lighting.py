@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from flexdepth.synth.library import Library
+from flexdepth.synth.lighting import irradiance, mirrored
 from flexdepth.synth.materials import Material, Part
 from flexdepth.synth.render import render
-from flexdepth.synth.scene import Beam, Scene
+from flexdepth.synth.scene import Beam, Scene, Spot
 from flexdepth.synth.shapes import quad
+from flexdepth.synth.skylight import Dome
 from flexdepth.synth.stage import Stage
 from flexdepth.synth.viewpoints import Viewpoint, looking
 
@@ -17,7 +19,7 @@ MIRROR = Material("plain", np.zeros((3, 3)), (1.0, 1.0), gloss=1.0)
 VIEW = Viewpoint(np.array([0, 1.0, 0]), looking(0, 0, 0), 0.6)
 
 
-def scene(parts, beams=()):
+def scene(parts, beams=(), spots=()):
     return Scene(
         parts=parts,
         lamps=[],
@@ -30,13 +32,17 @@ def scene(parts, beams=()):
         eyes=(np.zeros(3), np.ones(3)),
         outdoors=False,
         beams=beams,
+        spots=spots,
     )
 
 
 @pytest.fixture(scope="module")
-def seen():
-    library = Library.made(np.random.default_rng(0), 1)
+def library():
+    return Library.made(np.random.default_rng(0), 1)
 
+
+@pytest.fixture(scope="module")
+def seen(library):
     def made(world):
         rng = np.random.default_rng(0)
         return render(rng, Stage.built(rng, world, library), VIEW, 64, 48)
@@ -101,3 +107,77 @@ def test_a_shining_lamp_keeps_its_colour_without_any_light(seen):
     dim = replace(RED, glow=0.3)
     image = seen(scene([wall(2.0, dim)]))
     assert image.light[..., 0] == pytest.approx(np.full((48, 64), 0.3), rel=0.01)
+
+
+SPOT = Spot(np.array([0, 1.0, 0]), np.array([0, 0, 1.0]), 0.3, np.array([6.0, 4.0, 2.0]))
+
+
+def on_wall(stage, distance, across):
+    """Return points of a wall so far ahead of the spot light, each so far to its right."""
+    origins = np.array([(x, 1, distance - 0.5) for x in across], np.float32)
+    rays = np.broadcast_to(np.float32((0, 0, 1)), origins.shape).copy()
+    return stage.hits(origins, rays, 100.0)[0]
+
+
+@pytest.fixture(scope="module")
+def lit(library):
+    """Return a function: what a spot light throws on points of a wall, with what is before it."""
+
+    def made(spot, distance, across, *before):
+        rng = np.random.default_rng(0)
+        world = scene([wall(distance, GREY), *before], spots=(spot,))
+        stage = Stage.built(rng, world, library)
+        return irradiance(rng, stage, on_wall(stage, distance, across))
+
+    return made
+
+
+@pytest.mark.parametrize("distance", [1.0, 2.0, 7.0])
+def test_light_in_the_middle_of_a_cone_falls_with_the_square_of_distance(lit, distance):
+    expected = np.array([[6.0, 4.0, 2.0]]) / (distance**2 + 0.15)
+    assert lit(SPOT, distance, [0.0]) == pytest.approx(expected, rel=0.005)
+
+
+def test_a_cone_fades_to_its_rim_and_lights_nothing_outside(lit):
+    angle = np.linspace(0, 0.6, 61)
+    arriving = lit(SPOT, 2.0, 2 * np.tan(angle))[:, 0]
+    inside = angle < 0.299
+    assert (np.diff(arriving[inside]) < 0).all()
+    assert arriving[inside][-1] < 0.02 * arriving[0]
+    assert not arriving[angle > 0.301].any()
+
+
+def test_a_quarter_of_the_way_from_the_rim_five_parts_in_32_are_left(lit):
+    cosine = (1 + 3 * np.cos(0.3)) / 4
+    way = 2 / cosine
+    (there,) = lit(SPOT, 2.0, [np.sqrt(way**2 - 4)])[:, 0]
+    assert there == pytest.approx(5 / 32 * 6.0 * cosine / (way**2 + 0.15), rel=0.01)
+
+
+def test_a_spot_light_lights_nothing_behind_it(lit):
+    assert not lit(replace(SPOT, ahead=-SPOT.ahead), 2.0, [0.0, 0.2]).any()
+
+
+def test_what_stands_before_a_spot_light_throws_a_shadow(lit):
+    across = np.array([-0.3, -0.1, 0.1, 0.3])
+    board = Part(quad((-1, 0, 1.0), (1, 0, 0), (0, 3, 0)), GREY)
+    bare, blocked = lit(SPOT, 2.0, across), lit(SPOT, 2.0, across, board)
+    assert blocked == pytest.approx(np.where(across[:, None] < 0, 0, bare))
+    assert (bare > 0.3).all()
+
+
+def test_a_tinted_pane_takes_its_share_of_a_spot_light(lit):
+    glass = Material("plain", np.tile((0.8, 0.5, 0.5), (3, 1)), (1.0, 1.0), clear=0.9)
+    pane = Part(quad((-1, 0, 1.0), (2, 0, 0), (0, 3, 0)), glass)
+    passed = lit(SPOT, 2.0, [0.1], pane) / lit(SPOT, 2.0, [0.1])
+    assert passed == pytest.approx(0.9 * np.array([[0.8, 0.5, 0.5]]), rel=0.01)
+
+
+def test_a_mirror_shows_what_a_spot_light_lights(library):
+    away = replace(SPOT, ahead=np.array([0, 0, -1.0]))
+    world = scene([wall(2.0, MIRROR), wall(-3.0, GREY)], spots=(away,))
+    stage = Stage.built(np.random.default_rng(0), world, library)
+    dome = Dome.drawn(np.random.default_rng(0), world, library.skies)
+    _, light = mirrored(stage, dome, on_wall(stage, 2.0, [0.0, 1.5]))
+    middle = 0.5 * 0.7 * away.power / (9 + 0.15)
+    assert light == pytest.approx(np.stack([middle, 0 * middle]), rel=0.02)

@@ -7,7 +7,7 @@ import pytest
 from flexdepth.runtime.errors import InputError
 from flexdepth.synth.generate import SynthSettings, write_images
 from flexdepth.synth.landscapes import under
-from flexdepth.synth.library import NAMES, PRINTS, Library
+from flexdepth.synth.library import NAMES, PRINTS, WHOLE, Library
 from flexdepth.synth.patterns import PATTERNS, SIZE
 from flexdepth.synth.photographs import cuts, digest, photograph_files, photographs, skies
 from flexdepth.synth.prints import PICTURES
@@ -50,10 +50,20 @@ def test_photographs_are_found_in_folders_of_folders_by_name(folder):
 
 
 def test_a_folder_without_photographs_is_refused(tmp_path):
-    with pytest.raises(InputError, match="no such folder of photographs"):
+    with pytest.raises(InputError, match="no such folder of photos"):
         photograph_files(tmp_path / "none")
-    with pytest.raises(InputError, match="holds no photograph"):
+    with pytest.raises(InputError, match="holds no photo"):
         photograph_files(tmp_path)
+
+
+def test_a_photograph_that_is_shrunk_has_tones_between_those_of_8_bits(tmp_path):
+    """Halved from 960 columns of 10 and 11 in turn, it is 10.5 all over."""
+    fine = np.full((20, 960, 3), 10, np.uint8)
+    fine[:, ::2] = 11
+    save(tmp_path / "fine.png", fine)
+    (small,) = photographs(np.random.default_rng(0), photograph_files(tmp_path))
+    assert small.shape == (10, 480, 3)
+    assert small == pytest.approx(linear(10.5), rel=1e-3)
 
 
 def test_a_digest_knows_what_is_shown_and_not_where(folder, tmp_path):
@@ -123,7 +133,7 @@ def test_every_second_picture_is_a_photograph_and_nothing_else_changes():
     assert changed == {(name, odd) for name in shown for odd in (1, 3)}
     assert len(shown) < len(PRINTS)
     first = 4 * (len(PATTERNS) + list(PRINTS).index("portrait")) + 1
-    assert (hung[first] == (255, 0, 0)).all()
+    assert (hung[first] == (WHOLE, 0, 0)).all()
 
 
 def domes(photo, count=40):

@@ -1,8 +1,20 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from flexdepth.synth.rooms import cellar, cookery, corridor, home, office, shop
+from flexdepth.synth.rooms import (
+    HOME,
+    cellar,
+    cookery,
+    corridor,
+    furnished,
+    home,
+    office,
+    shop,
+)
 from flexdepth.synth.stage import Stage
+from flexdepth.synth.viewpoints import viewpoint
 
 
 @pytest.mark.parametrize("make", [home, office, cookery, shop, corridor, cellar])
@@ -19,7 +31,9 @@ def test_a_room_is_closed_and_cameras_stand_inside(make):
 
 
 def test_sunlight_comes_in_from_outside():
-    beams = [beam for seed in range(5) for beam in home(np.random.default_rng(seed)).beams]
+    kind = replace(HOME, pictures=9.0, dark=0.0)
+    rooms = [furnished(np.random.default_rng(seed), kind) for seed in range(6)]
+    beams = [beam for room in rooms for beam in room.beams]
     assert beams
     for beam in beams:
         outward = np.cross(beam.along, beam.up)
@@ -45,3 +59,13 @@ def test_no_ray_leaves_a_room_even_through_an_open_door(library, monkeypatch):
         ways = rng.normal(size=eyes.shape).astype(np.float32)
         _, far = stage.hits(eyes, ways, 100.0)
         assert np.isfinite(far).all()
+
+
+def test_hands_robots_and_fixed_cameras_see_a_room_from_their_heights():
+    scene = office(np.random.default_rng(1))
+    rng = np.random.default_rng(2)
+    heights = np.array([viewpoint(rng, scene, 4 / 3).eye[1] for _ in range(1000)])
+    assert heights.min() > 0
+    assert heights.max() <= scene.ceiling
+    for low, high, share in ((0, 0.6, 0.1), (0.7, 1.2, 0.25), (1.2, 1.8, 0.5), (2.1, 4, 0.05)):
+        assert ((heights > low) & (heights < high)).mean() == pytest.approx(share, abs=0.08)

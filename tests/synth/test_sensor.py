@@ -1,5 +1,8 @@
+import io
+
 import numpy as np
 import pytest
+from PIL import Image
 
 from flexdepth.synth.sensor import Sensor
 
@@ -61,6 +64,18 @@ def test_compression_changes_little_and_colours_stay_in_their_channels():
     picture[..., 0] = np.linspace(0.2, 0.8, 64)
     shown = sensor(quality=60).developed(picture).astype(float) / 255
     assert np.abs(shown - picture).mean() < 0.02
+
+
+@pytest.mark.parametrize("colour", [(230, 20, 20), (20, 20, 230), (30, 200, 90)])
+@pytest.mark.parametrize("quality", [30, 60, 89])
+def test_a_saved_picture_is_what_pillow_saves(colour, quality):
+    """JPEG keeps luma sharp, of which red has .299 and blue .114."""
+    row, column = np.mgrid[:32, :48]
+    stripes = (((row // 3 + column // 5) % 2)[..., None] * np.array(colour)).astype(np.uint8)
+    file = io.BytesIO()
+    Image.fromarray(stripes).save(file, "JPEG", quality=quality, subsampling="4:2:0")
+    shown = sensor(quality=quality).developed(stripes.astype(np.float32) / 255)
+    assert shown == pytest.approx(np.asarray(Image.open(file)).astype(int), abs=1)
 
 
 def test_less_light_means_more_noise():

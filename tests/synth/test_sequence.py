@@ -6,7 +6,7 @@ import pytest
 from flexdepth.runtime.errors import InputError
 from flexdepth.synth.correspondence import other_from_this
 from flexdepth.synth.generate import SynthSettings
-from flexdepth.synth.motion import Motion
+from flexdepth.synth.motion import Footing, Motion
 from flexdepth.synth.sequence import LARGE_PAIRS, PAIRS, SequenceSettings, filmed, take
 from flexdepth.synth.takes import pair_parallax, shares, shows_it
 
@@ -29,11 +29,23 @@ def frames(shot):
 def test_a_take_shows_what_was_asked_for(shot, frames):
     shown = shares(shot, 0, 80 * 60)
     assert [mover.kind.flexible for mover in shot.play.movers] == [False, True]
-    assert [mover.kind.stands for mover in shot.play.movers] == list(shown.feet)
+    assert [footing is Footing.SEEN for footing in shot.footings] == list(shown.feet)
+    for mover, footing in zip(shot.play.movers, shot.footings, strict=True):
+        assert mover.kind.stands == (footing is not Footing.NONE)
     assert 0.1 <= frames[0].forward.moving.mean() <= 0.25
     assert shot.focal == 70
     assert min(frame.depth.min() for frame in frames[:2]) > 0.2
     assert 8 <= pair_parallax(shot, 0, 80 * 60) <= 12
+
+
+def test_feet_that_are_to_be_hidden_stand_out_of_sight():
+    any_motion = replace(ASKED, parallax=None, moving=(0.02, 0.6))
+    shot = take(SequenceSettings(WORLD, any_motion), 3)
+    assert shot.footings == (Footing.HIDDEN, Footing.SEEN)
+    assert [mover.kind.stands for mover in shot.play.movers] == [True, True]
+    shown = shares(shot, 0, 80 * 60)
+    assert shown.feet == (False, True)
+    assert (shown.mover > 0).all()
 
 
 def test_a_take_with_another_stride_is_not_what_was_asked_for(shot):
@@ -75,6 +87,17 @@ def test_the_same_number_is_the_same_picture_and_another_is_another(shot, frames
     assert (again.picture == frames[0].picture).all()
     assert np.array_equal(again.forward.flow, frames[0].forward.flow, equal_nan=True)
     assert not np.array_equal(other.picture, frames[0].picture)
+
+
+def test_a_shutter_that_is_open_blurs_by_the_flow_and_leaves_the_truth(shot, frames):
+    """The median pixel goes by 10 pixels and more; what a column differs by from the next fades."""
+    opened = replace(shot, motion=replace(ASKED, frames=3, shutter=1.0))
+    for sharp, soft in zip(frames, filmed(opened, WORLD.seed, 0), strict=True):
+        assert np.array_equal(soft.depth, sharp.depth)
+        edges, left = (
+            np.abs(np.diff(frame.picture.astype(float), axis=1)).mean() for frame in (sharp, soft)
+        )
+        assert left < 0.85 * edges
 
 
 def test_the_pictures_follow_the_flow(frames):

@@ -16,10 +16,14 @@ def test_kinds_are_drawn_as_often_as_the_table_says(share, table):
         assert found[make] / 4000 == pytest.approx(part / total, abs=0.03)
 
 
-@pytest.mark.parametrize("make", [make for _, make in OUTDOORS], ids=lambda make: make.__name__)
-def test_every_outdoor_kind_can_be_built_twice_the_same(make):
+@pytest.mark.parametrize(
+    "make", [make for _, make in (*INDOORS, *OUTDOORS)], ids=lambda make: make.__name__
+)
+def test_every_kind_can_be_built_twice_the_same(make):
     first, second = (make(np.random.default_rng(5)) for _ in range(2))
-    assert first.outdoors
+    assert first.outdoors == any(make is other for _, other in OUTDOORS)
+    assert first.carriers
+    assert (first.places == second.places).all()
     assert len(first.parts) == len(second.parts) > 5
     for one, other in zip(first.parts, second.parts, strict=True):
         assert np.isfinite(one.mesh.corners).all()

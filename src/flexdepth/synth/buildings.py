@@ -1,41 +1,13 @@
 """Buildings. Each stands with its front in the plane z = 0, facing -z, and is `width` wide."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.random import Generator
 
-from flexdepth.synth.furniture import Parts, placed
+from flexdepth.synth.fronts import Front
 from flexdepth.synth.materials import Part, fitted, glowing, material
-from flexdepth.synth.shapes import Mesh, box, joined, prism, quad, revolved, tube
-
-
-@dataclass(frozen=True)
-class Front:
-    """The measures of a facade.
-
-    Attributes:
-        width: Metres.
-        storey: Height of one floor, metres.
-        storeys: How many.
-        bays: Windows in a row.
-        lit: Share of windows with light behind them.
-    """
-
-    width: float
-    storey: float
-    storeys: int
-    bays: int
-    lit: float
-
-    @property
-    def height(self) -> float:
-        """Metres up to the roof."""
-        return self.storey * self.storeys
-
-    def middle(self, bay: int) -> float:
-        """Return x in the middle of a bay."""
-        return (bay + 0.5) * self.width / self.bays - self.width / 2
+from flexdepth.synth.parts import Parts
+from flexdepth.synth.shapes import Mesh, box, joined, prism, quad, tube
+from flexdepth.synth.shop_fronts import shop_front
 
 
 def building(rng: Generator, width: float, lit: float) -> Parts:
@@ -74,9 +46,10 @@ def _block(rng: Generator, width: float, lit: float) -> Parts:
     """Several floors, with shops below, balconies, cornices and bands."""
     bays = max(2, round(width / rng.uniform(2.2, 3.6)))
     front = Front(width, rng.uniform(2.8, 3.8), int(rng.integers(3, 8)), bays, lit)
-    parts = _walls(rng, front, rng.uniform(8, 14))
     shops = rng.random() < 0.6
-    parts += _shop_front(rng, front) if shops else _door(rng, front)
+    inside = float(rng.uniform(1.2, 4.0)) if shops else 0.0
+    parts = _walls(rng, front, rng.uniform(8, 14), inside=inside)
+    parts += shop_front(rng, front, inside) if shops else _door(rng, front)
     parts += _windows(rng, front, 1 if shops else 0)
     parts += _bands(rng, front)
     if rng.random() < 0.4:
@@ -93,19 +66,22 @@ def _office(rng: Generator, width: float, lit: float) -> Parts:
     storeys = int(rng.integers(2, 8)) if rng.random() < 0.7 else int(rng.integers(8, 22))
     front = Front(width, rng.uniform(3.0, 4.2), storeys, max(2, round(width / 2)), lit)
     depth = rng.uniform(10, 18)
-    parts = _walls(rng, front, depth)
+    shops = rng.random() < 0.5
+    inside = float(rng.uniform(1.5, 5.0)) if shops else 0.0
+    parts = _walls(rng, front, depth, inside=inside)
     glass = material(rng, "glass")
     floors = [
         box((0, (k + 0.55) * front.storey, depth / 2),
             (width + 0.06, front.storey * 0.62, depth + 0.06))
-        for k in range(storeys)
+        for k in range(int(shops), storeys)
     ]  # fmt: skip
+    low = front.storey if shops else 0.0
     bars = [
-        box((front.middle(bay), front.height / 2, -0.06), (0.1, front.height, 0.14))
+        box((front.middle(bay), (front.height + low) / 2, -0.06), (0.1, front.height - low, 0.14))
         for bay in range(front.bays)
     ]
     parts += [Part(joined(floors), glass), Part(joined(bars), material(rng, "metal"))]
-    return parts + (_shop_front(rng, front) if rng.random() < 0.5 else [])
+    return parts + (shop_front(rng, front, inside) if shops else [])
 
 
 def _shed(rng: Generator, width: float, lit: float) -> Parts:
@@ -125,9 +101,18 @@ def _shed(rng: Generator, width: float, lit: float) -> Parts:
     return [*parts, Part(edge, material(rng, "paint"))]
 
 
-def _walls(rng: Generator, front: Front, depth: float, kind: str = "brickwork") -> Parts:
-    body = box((0, front.height / 2, depth / 2), (front.width, front.height, depth))
-    return [Part(body, material(rng, kind))]
+def _walls(
+    rng: Generator, front: Front, depth: float, kind: str = "brickwork", inside: float = 0.0
+) -> Parts:
+    """Return the body, its ground floor hollow for so many metres behind the front."""
+    low, wide = front.storey if inside else 0.0, front.width
+    body = [box((0, (front.height + low) / 2, depth / 2), (wide, front.height - low, depth))]
+    if inside:
+        body.append(box((0, low / 2, (depth + inside) / 2), (wide, low, depth - inside)))
+        body += [
+            box((s * (wide / 2 - 0.1), low / 2, inside / 2), (0.2, low, inside)) for s in (-1, 1)
+        ]
+    return [Part(joined(body), material(rng, kind))]
 
 
 def _windows(rng: Generator, front: Front, above: int) -> Parts:
@@ -202,62 +187,6 @@ def _door(rng: Generator, front: Front) -> Parts:
     return parts
 
 
-def _shop_front(rng: Generator, front: Front) -> Parts:
-    """Return shop windows, lit, dark or papered, signs, awnings and goods on the pavement."""
-    parts: Parts = []
-    shops = max(1, int(rng.integers(1, front.bays + 1)))
-    span = front.width / shops
-    top = min(front.storey - 0.7, 2.9)
-    shine = front.lit > 0.1 and rng.random() < 0.8
-    for k in range(shops):
-        x = (k + 0.5) * span - front.width / 2
-        wide = span - rng.uniform(0.3, 0.8)
-        pane = quad((x - wide / 2, 0.45, -0.03), (wide, 0, 0), (0, top - 0.45, 0))
-        look = glowing(rng, "collage", rng.uniform(0.6, 3)) if shine else material(rng, "glass")
-        if not shine and rng.random() < 0.4:
-            look = fitted(rng, "poster", wide / 2, top)
-        sill = box((x, 0.22, -0.06), (wide, 0.45, 0.16))
-        bars = [
-            box((x + s * wide / 2, top / 2, -0.08), (0.12, top, 0.18)) for s in (-0.98, 0.2, 0.98)
-        ]
-        sign = box((x, top + 0.32, -0.1), (wide, 0.55, 0.2))
-        letters = "print_lines" if rng.random() < 0.6 else "collage"
-        board = fitted(rng, "poster", wide, 0.55)
-        parts += [
-            Part(pane, look),
-            Part(joined([sill, *bars]), material(rng, str(rng.choice(["wood", "paint", "thing"])))),
-            Part(sign, glowing(rng, letters, 1.5) if shine else board),
-        ]
-        if rng.random() < 0.4:
-            parts += _awning(rng, (x, top + 0.05), wide)
-        if rng.random() < 0.25:
-            parts += _goods(rng, x, wide)
-    return parts
-
-
-def _awning(rng: Generator, at: tuple[float, float], wide: float) -> Parts:
-    x, y = at
-    out, drop = rng.uniform((0.8, 0.2), (1.8, 0.7))
-    cloth = quad((x - wide / 2, y - drop, -out), (wide, 0, 0), (0, drop, out))
-    hem = quad((x - wide / 2, y - drop - 0.22, -out), (wide, 0, 0), (0, 0.22, 0))
-    return [Part(joined([cloth, hem]), material(rng, "fabric"))]
-
-
-def _goods(rng: Generator, x: float, wide: float) -> Parts:
-    """Return crates, boards, or small tables on the pavement."""
-    parts: Parts = []
-    for _ in range(int(rng.integers(2, 7))):
-        at = (x + rng.uniform(-0.45, 0.45) * wide, 0.0, -rng.uniform(0.5, 1.1))
-        if rng.random() < 0.6:
-            size = rng.uniform((0.3, 0.25, 0.3), (0.7, 1.1, 0.5))
-            piece = box((0, size[1] / 2, 0), size)
-        else:
-            piece = revolved([(0.25, 0), (0.03, 0.04), (0.03, 0.72), (0.35, 0.72), (0, 0.75)], 14)
-        look = material(rng, str(rng.choice(["thing", "wood", "poster", "autumn"])))
-        parts += placed([Part(piece, look)], at, rng.normal(0, 0.3))
-    return parts
-
-
 def _bands(rng: Generator, front: Front) -> Parts:
     """Return a cornice and bands between the floors."""
     out = rng.uniform(0.08, 0.4)
@@ -269,8 +198,9 @@ def _bands(rng: Generator, front: Front) -> Parts:
 
 
 def _balconies(rng: Generator, front: Front) -> Parts:
-    """Return balconies with railings before some of the windows."""
-    slabs, rails = [], []
+    """Return balconies with railings or panes before some of the windows."""
+    slabs, rails, panes = [], [], []
+    glazed = rng.random() < 0.35
     pitch, out = front.width / front.bays, rng.uniform(0.5, 1.4)
     chosen = rng.random(front.bays) < 0.6
     for floor in range(1, front.storeys):
@@ -279,11 +209,16 @@ def _balconies(rng: Generator, front: Front) -> Parts:
             wide = 0.85 * pitch
             slabs.append(box((x, y, -out / 2), (wide, 0.14, out)))
             rails.append(box((x, y + 1.0, -out), (wide, 0.05, 0.05)))
-            posts = np.linspace(-wide / 2, wide / 2, int(wide / 0.14))
+            panes += [
+                quad((x - wide / 2, y, -out), (wide, 0, 0), (0, 1, 0)),
+                *(quad((x + s * wide / 2, y, -out), (0, 0, out), (0, 1, 0)) for s in (-1, 1)),
+            ]
+            posts = np.linspace(-wide / 2, wide / 2, 2 if glazed else int(wide / 0.14))
             rails += [box((x + at, y + 0.5, -out), (0.02, 1.0, 0.02)) for at in posts]
     if not slabs:
         return []
     return [
+        *([Part(joined(panes), material(rng, "pane"))] if glazed else []),
         Part(joined(slabs), material(rng, "paint")),
         Part(joined(rails), material(rng, "metal")),
     ]

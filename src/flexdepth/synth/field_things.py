@@ -4,8 +4,8 @@ import numpy as np
 from numpy.random import Generator
 
 from flexdepth.synth.buildings import building
-from flexdepth.synth.furniture import Parts
 from flexdepth.synth.materials import Part, material
+from flexdepth.synth.parts import Parts
 from flexdepth.synth.shapes import blob, revolved, tube
 
 

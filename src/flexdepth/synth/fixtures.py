@@ -1,4 +1,4 @@
-"""Lamps, plants, stairs, pipes, textiles that hang, and what else is in rooms."""
+"""Lamps, plants, pipes, textiles that hang, and what else is in rooms."""
 
 from math import pi
 
@@ -46,7 +46,7 @@ def plant(rng: Generator) -> Parts:
     foliage = leaves(
         rng, (crown, crown, crown), int(rng.integers(150, 500)), rng.uniform(0.08, 0.2) * crown
     )
-    stem = tube((0, pot, 0), (0, pot + 0.4 * crown, 0), (0.015, 0.01))
+    stem = tube((0, 0.05, 0), (0, pot + 0.4 * crown, 0), (0.015, 0.01))
     return [
         *vessel(rng, pot),
         Part(foliage.placed((0, pot + 0.55 * crown, 0)), material(rng, "leaf")),
@@ -59,44 +59,6 @@ def ball(rng: Generator) -> Parts:
     size = rng.uniform(0.15, 0.8)
     shape = blob(rng, (size, size * rng.uniform(0.5, 1), size), rng.choice([0.0, 0.06, 0.15]), 16)
     return [Part(shape.placed((0, size * 0.4, 0)), material(rng, "fabric"))]
-
-
-def person(rng: Generator) -> Parts:
-    """Somebody who stands or walks."""
-    height = rng.uniform(1.2, 1.95)
-    stride, swing = rng.normal(0, 0.18, 2)
-    hip, shoulder, head = 0.5 * height, 0.82 * height, 0.93 * height
-    girth = rng.uniform(0.16, 0.26)
-
-    def limb(side: float, top: float, bottom: float, reach: float, radius: float) -> Mesh:
-        knee = (side, (top + bottom) / 2, reach * 0.4 - 0.04)
-        lower = tube(knee, (side * 1.05, bottom, reach), (radius * 0.85, radius * 0.6))
-        return joined([tube((side, top, 0), knee, (radius, radius * 0.85)), lower])
-
-    legs = [limb(s * 0.1, hip, 0.05, s * stride, 0.075) for s in (-1, 1)]
-    arms = [limb(s * (girth + 0.04), shoulder, 0.46 * height, -s * swing, 0.05) for s in (-1, 1)]
-    torso = cushion(
-        (0, (hip + shoulder) / 2 + 0.02, 0), (2 * girth, shoulder - hip + 0.14, 0.26), 0.7
-    )
-    skull = blob(rng, (0.17, 0.25, 0.2), 0.02).placed((0, head, 0))
-    hair = blob(rng, (0.19, 0.16, 0.21), 0.05).placed((0, head + 0.06, 0.02))
-    return [
-        Part(joined(legs), material(rng, "fabric")),
-        Part(joined([torso, *arms]), material(rng, "fabric")),
-        Part(skull, material(rng, "skin")),
-        Part(hair, material(rng, "bark")),
-    ]
-
-
-def stairs(rng: Generator) -> Parts:
-    """A flight of stairs, without a rail."""
-    width, rise, run = rng.uniform((0.8, 0.15, 0.24), (1.4, 0.2, 0.32))
-    count = int(rng.integers(3, 14))
-    steps = [
-        box((0, (k + 1) * rise / 2, (k + 0.5) * run), (width, (k + 1) * rise, run))
-        for k in range(count)
-    ]
-    return [Part(joined(steps), material(rng, str(rng.choice(["wood", "floor", "pavement"]))))]
 
 
 def drape(rng: Generator) -> Parts:

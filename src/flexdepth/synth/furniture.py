@@ -1,5 +1,6 @@
 """What stands in rooms, by where it stands."""
 
+from flexdepth.synth.bystanders import bystander, sitter
 from flexdepth.synth.fixtures import (
     bag,
     ball,
@@ -10,10 +11,8 @@ from flexdepth.synth.fixtures import (
     drape,
     lamp,
     mirror,
-    person,
     plant,
     radiator,
-    stairs,
     television,
     toy_house,
     washing,
@@ -25,12 +24,12 @@ from flexdepth.synth.tables import desk, kitchen, table
 
 FREE_STANDING: tuple[Maker, ...] = (
     table, table, table, chair, slatted, slatted, office_chair, stool, sofa, lamp, plant, stack,
-    ball, person, toy_house, cabinet, heap, washing, bag, bag, bicycle,
+    ball, bystander, sitter, toy_house, cabinet, heap, washing, bag, bag, bicycle,
 )  # fmt: skip
 """What may stand anywhere in a room; twice what stands there often."""
 
 AGAINST_WALLS: tuple[Maker, ...] = (
-    shelf, shelf, sofa, bed, cabinet, cabinet, kitchen, desk, desk, table, drape, plant, stairs,
+    shelf, shelf, sofa, bed, cabinet, cabinet, kitchen, desk, desk, table, drape, plant,
     coats, radiator, mirror, television, board,
 )  # fmt: skip
 """What stands with its back (its +z side) to a wall."""
@@ -48,8 +47,8 @@ OFFICES: tuple[Maker, ...] = (
 """What stands along the walls of offices."""
 
 IN_OFFICES: tuple[Maker, ...] = (
-    desk, desk, office_chair, office_chair, office_chair, table, stack, bag, plant, person, cabinet,
-    stool,
+    desk, desk, office_chair, office_chair, office_chair, table, stack, bag, plant, bystander,
+    sitter, sitter, cabinet, stool,
 )  # fmt: skip
 """What stands anywhere in offices."""
 
@@ -60,7 +59,7 @@ SHOPS: tuple[Maker, ...] = (goods, goods, goods, goods, shelf, rack, kitchen, bo
 """What stands along the walls of shops."""
 
 IN_SHOPS: tuple[Maker, ...] = (
-    goods, goods, goods, table, stack, crates, person, person, bag, plant, rack, washing,
+    goods, goods, goods, table, stack, crates, bystander, bystander, bag, plant, rack, washing,
 )  # fmt: skip
 """What stands anywhere in shops."""
 
@@ -88,7 +87,6 @@ __all__ = [
     "lamp",
     "mirror",
     "office_chair",
-    "person",
     "placed",
     "plant",
     "rack",

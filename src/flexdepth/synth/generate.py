@@ -11,6 +11,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from numpy.random import Generator
 from numpy.typing import NDArray
 
 from flexdepth.runtime.atomic import replacing
@@ -23,10 +24,11 @@ from flexdepth.synth.library import Library
 from flexdepth.synth.photographs import Photo, digest, photograph_files, photographs
 from flexdepth.synth.render import Rendering, render, worth_taking
 from flexdepth.synth.stage import Stage
-from flexdepth.synth.viewpoints import viewpoint
+from flexdepth.synth.unrest import unsteady
+from flexdepth.synth.viewpoints import Viewpoint, viewpoint
 from flexdepth.synth.worlds import drawn
 
-VERSION = 3
+VERSION = 4
 """Raised when the same (seed, index) no longer gives the same image."""
 
 VIEWS = 4
@@ -104,9 +106,17 @@ def rendered(settings: SynthSettings, index: int) -> tuple[Rendering, NDArray[np
         for _ in range(_ATTEMPTS):
             view = viewpoint(rng, stage.scene, aspect)
             if worth_taking(stage, view, aspect):
-                seen = render(rng, stage, view, settings.width, settings.height)
-                return seen, photograph(rng, seen.light, seen.depth, seen.focal)
+                return taken(rng, stage, view, (settings.width, settings.height))
     raise RuntimeError(f"no viewpoint of scene {scene} of seed {settings.seed} shows anything")
+
+
+def taken(
+    rng: Generator, stage: Stage, view: Viewpoint, size: tuple[int, int]
+) -> tuple[Rendering, NDArray[np.uint8]]:
+    """Return what is seen from a viewpoint, width by height pixels, and a photograph of it."""
+    seen = render(rng, stage, view, *size)
+    light = unsteady(rng, stage.scene, view, seen)
+    return seen, photograph(rng, light, seen.depth, seen.focal)
 
 
 def write_image(settings: SynthSettings, index: int, folder: Path) -> None:

@@ -21,40 +21,35 @@ _SHARP = 0.7
 
 @dataclass(frozen=True, eq=False)
 class Optics:
-    """What the lens does, and the hand that holds it.
+    """What the lens does.
 
     Attributes:
         vignette: How much darker the corners are.
         blur: Of the lens, pixels.
         aperture: Diameter of the entrance pupil, metres; 0 has everything in focus.
         focus: Which part of the image's middle is in focus: a quantile of its depth.
-        shake: Path of the image during the exposure, points by two pixels; one point is a tripod.
     """
 
     vignette: float
     blur: float
     aperture: float
     focus: float
-    shake: NDArray[np.float64]
 
     @classmethod
     def drawn(cls, rng: Generator) -> "Optics":
         """Return a random lens: most are phones', in whose pictures nearly all is sharp."""
         wide = rng.random() < 0.22
-        steps = rng.normal(0, rng.uniform(0.05, 0.4), (12, 2)) + rng.normal(0, 0.2, 2)
         return cls(
             vignette=float(rng.uniform(0, 0.6) if rng.random() < 0.7 else 0),
             blur=float(rng.uniform(0.25, 0.6) if rng.random() < 0.8 else rng.uniform(0.6, 1.2)),
             aperture=float(np.exp(rng.uniform(np.log(3e-3), np.log(2e-2)))) if wide else 0.0015,
             focus=float(rng.uniform(0.1, 0.6)),
-            shake=steps.cumsum(0) if rng.random() < 0.2 else np.zeros((1, 2)),
         )
 
     def image(self, light: Array) -> Array:
-        """Return the light that reaches the sensor: shaken, blurred, darker in the corners."""
+        """Return the light that reaches the sensor: blurred, darker in the corners."""
         height, width = light.shape[:2]
-        moved = cv2.filter2D(light, -1, _kernel(self.shake)) if len(self.shake) > 1 else light
-        soft = cv2.GaussianBlur(moved, (0, 0), self.blur)
+        soft = cv2.GaussianBlur(light, (0, 0), self.blur)
         row, column = np.ogrid[:height, :width]
         square = ((row + 0.5) / height - 0.5) ** 2 + ((column + 0.5) / width - 0.5) ** 2
         return np.asarray(soft * (1 - self.vignette * square[..., None]), np.float32)
@@ -107,23 +102,6 @@ def _over(out: Array, light: Array, here: Array, nearer: Array, size: float) -> 
     return np.asarray(
         out + cover * (colour / np.maximum(weight, 1e-3)[..., None] - out), np.float32
     )
-
-
-def _kernel(path: NDArray[np.float64]) -> Array:
-    """Return the blur that moving along a path leaves, centred on the path's middle."""
-    centred = path - (path.min(0) + path.max(0)) / 2
-    reach = int(np.ceil(np.abs(centred).max())) + 1
-    kernel = np.zeros((2 * reach + 1, 2 * reach + 1), np.float32)
-    corner = np.floor(centred).astype(int)
-    right, down = (centred - corner).T
-    for dx, dy, weight in (
-        (0, 0, (1 - right) * (1 - down)),
-        (1, 0, right * (1 - down)),
-        (0, 1, (1 - right) * down),
-        (1, 1, right * down),
-    ):
-        np.add.at(kernel, (corner[:, 1] + dy + reach, corner[:, 0] + dx + reach), weight)
-    return np.asarray(kernel / kernel.sum(), np.float32)
 
 
 @dataclass(frozen=True, eq=False)

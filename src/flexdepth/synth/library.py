@@ -3,12 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
 from flexdepth.synth.lettered import LETTERED
-from flexdepth.synth.patterns import PATTERNS, Array
+from flexdepth.synth.patterns import PATTERNS, SIZE, Array
 from flexdepth.synth.photographs import Photo, cuts, skies
 from flexdepth.synth.prints import PICTURES
 
@@ -21,6 +22,15 @@ _WOVEN = ("carpet", "petals", "tunnel")
 NAMES = (*PATTERNS, *PRINTS)
 """Every texture there is, in the order of the layers."""
 
+Texels = NDArray[np.uint16]
+"""Rows by columns by 3, a share of 1 as `WHOLE`.
+
+In linear light 8 bits would leave steps of a tenth between dark tones, which an exposure for the
+shadows shows as bands.
+"""
+
+WHOLE = 65535
+
 
 @dataclass(frozen=True, eq=False)
 class Library:
@@ -31,12 +41,12 @@ class Library:
 
     Attributes:
         variants: How many of each texture; variant v of texture t is layer `t * variants + v`.
-        levels: Layers by rows by columns by 3, uint8; each level half the size of the one before.
+        levels: Layers of texels; each level half the size of the one before.
         skies: Of photographs, linear light; the last row is the horizon.
     """
 
     variants: int
-    levels: tuple[NDArray[np.uint8], ...]
+    levels: tuple[NDArray[np.uint16], ...]
     skies: tuple[Photo, ...] = ()
 
     @classmethod
@@ -46,21 +56,17 @@ class Library:
         Given photographs, every second variant of each picture that hangs or stands somewhere is
         a part of one. The rest is as it is without them.
         """
-        layers = [_shares(make(rng)) for make in PATTERNS.values() for _ in range(variants)]
-        layers += [_hung(make(rng)) for make in PRINTS.values() for _ in range(variants)]
+        levels = _empty(len(NAMES) * variants)
+        makers = [*PATTERNS.values(), *PRINTS.values()]
+        for layer in range(len(makers) * variants):
+            texels = _shares if layer < len(PATTERNS) * variants else _hung
+            _put(levels, layer, texels(makers[layer // variants](rng)))
         if photos:
             pictures = [NAMES.index(name) for name in PICTURES if name not in _WOVEN]
             taken = [k * variants + odd for k in pictures for odd in range(1, variants, 2)]
             for layer, cut in zip(taken, cuts(rng, photos, len(taken)), strict=True):
-                layers[layer] = _hung(cut)
-        levels = [np.asarray(layers)]
-        while levels[-1].shape[1] > 1:
-            fine = levels[-1].astype(np.uint16)
-            halved = (
-                fine[:, ::2, ::2] + fine[:, 1::2, ::2] + fine[:, ::2, 1::2] + fine[:, 1::2, 1::2]
-            )
-            levels.append(((halved + 2) // 4).astype(np.uint8))
-        return cls(variants, tuple(levels), tuple(skies(photos)))
+                _put(levels, layer, _hung(cut))
+        return cls(variants, levels, tuple(skies(photos)))
 
     def layer(self, rng: Generator, name: str) -> int:
         """Return the layer of one variant of the texture."""
@@ -82,19 +88,19 @@ class Library:
             here = np.flatnonzero(level == k)
             look = _smooth if k == 0 else _nearest
             out[here] = look(stack, layer[here], uv[here])
-        return out / np.float32(255)
+        return out / np.float32(WHOLE)
 
 
 def _nearest(
-    stack: NDArray[np.uint8], layer: NDArray[np.intp], uv: NDArray[np.floating]
-) -> NDArray[np.uint8]:
+    stack: NDArray[np.uint16], layer: NDArray[np.intp], uv: NDArray[np.floating]
+) -> NDArray[np.uint16]:
     side = stack.shape[1]
     column, row = (np.floor(uv * side).astype(int) % side).T
     return np.asarray(stack[layer, row, column])
 
 
 def _smooth(
-    stack: NDArray[np.uint8], layer: NDArray[np.intp], uv: NDArray[np.floating]
+    stack: NDArray[np.uint16], layer: NDArray[np.intp], uv: NDArray[np.floating]
 ) -> NDArray[np.float32]:
     """Return texels interpolated, so that a print seen from near has no steps."""
     side = stack.shape[1]
@@ -108,13 +114,30 @@ def _smooth(
     return np.asarray(upper * (1 - down) + lower * down, np.float32)
 
 
-def _shares(weights: Array) -> NDArray[np.uint8]:
+def _empty(layers: int) -> tuple[NDArray[np.uint16], ...]:
+    """Return room for so many layers at every level, down to one texel."""
+    sides = SIZE >> np.arange(SIZE.bit_length())
+    return tuple(np.empty((layers, side, side, 3), np.uint16) for side in sides)
+
+
+def _put(levels: tuple[NDArray[np.uint16], ...], layer: int, texels: Texels) -> None:
+    """Write a texture and its halvings."""
+    for level in levels:
+        side = level.shape[1]
+        texels = np.asarray(cv2.resize(texels, (side, side), interpolation=cv2.INTER_AREA))
+        level[layer] = texels
+
+
+def _shares(weights: Array) -> Texels:
     """Return the shares of three colours where the second replaces the first, then the third."""
     second, third = np.moveaxis(weights, -1, 0)
-    some, other = (255 * second * (1 - third)).round(), (255 * third).round()
-    return np.stack([255 - some - other, some, other], -1).clip(0, 255).astype(np.uint8)
+    return _texels(np.stack([(1 - second) * (1 - third), second * (1 - third), third], -1))
 
 
-def _hung(colours: NDArray[np.floating]) -> NDArray[np.uint8]:
+def _hung(colours: NDArray[np.floating]) -> Texels:
     """Return a print's texels, turned as walls show them: u goes left and v goes up."""
-    return np.asarray((255 * np.clip(colours[::-1, ::-1], 0, 1)).round(), np.uint8)
+    return _texels(colours[::-1, ::-1])
+
+
+def _texels(shares: NDArray[np.floating]) -> Texels:
+    return np.asarray((WHOLE * np.clip(shares, 0, 1)).round(), np.uint16)

@@ -25,6 +25,8 @@ class Material:
             varnish and plastic, 0.9 for mirrors.
         rough: How uneven a glossy surface is: the spread of its unit normal.
         ripple: How steep the waves on it are: water.
+        clear: Share of the light from behind that passes, times the colour: glass. The rest is
+            scattered back.
     """
 
     pattern: str
@@ -34,6 +36,7 @@ class Material:
     gloss: float = 0.0
     rough: float = 0.0
     ripple: float = 0.0
+    clear: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +88,9 @@ def material(rng: Generator, kind: str) -> Material:
         pattern = nature.patterns[int(rng.integers(len(nature.patterns)))]
         colours = _inked(rng, pattern, _around(rng, tinted, rng.uniform(0.25, 0.75)))
         ripple = nature.ripple * float(rng.random()) ** 2
-        return Material(pattern, colours, (size, size), 0.0, nature.gloss, nature.rough, ripple)
+        return Material(
+            pattern, colours, (size, size), 0.0, nature.gloss, nature.rough, ripple, nature.clear
+        )
     sort = KINDS[kind]
     pattern = sort.patterns[int(rng.integers(len(sort.patterns)))]
     colours = _around(rng, colour(rng, sort.saturation, sort.bright), sort.spread)
@@ -100,6 +105,7 @@ def material(rng: Generator, kind: str) -> Material:
         0.0,
         float(rng.uniform(*sort.gloss)) if shiny else 0.0,
         float(rng.uniform(*sort.rough)),
+        clear=sort.clear,
     )
 
 

@@ -1,11 +1,23 @@
 """What moves in a sequence, how much of the picture, and how the camera does."""
 
 from dataclasses import dataclass
+from enum import Enum
 from math import floor
 
 from numpy.random import Generator
 
 from flexdepth.runtime.errors import InputError
+
+
+class Footing(Enum):
+    """What the first frame shows of a mover's feet."""
+
+    SEEN = "feet seen"
+    """They stand, walk or roll on the ground, where the camera sees it."""
+    HIDDEN = "feet hidden"
+    """They do so behind something, or below the picture."""
+    NONE = "in the air"
+    """It flies, jumps or hangs."""
 
 
 @dataclass(frozen=True)
@@ -21,8 +33,8 @@ class Motion:
         moving: Least and most share of the first frame that moves by itself.
         rigid: Least and most number of rigid movers.
         flexible: Least and most number of movers that bend.
-        feet: Share of the movers that stand, walk or roll on the ground and whose contact with it
-            is seen in the first frame; the others are in the air.
+        feet: Share of the movers whose feet are seen in the first frame; half of the others hide
+            them, half are in the air.
         shutter: Share of the time between two frames during which the shutter is open, and what
             moves is blurred; 0 freezes it.
     """
@@ -59,21 +71,26 @@ class Motion:
         """Return when a frame is taken, seconds after the first."""
         return frame / self.rate
 
-    def cast(self, rng: Generator, number: int) -> list[tuple[bool, bool]]:
-        """Return of each mover whether it bends and whether it stands on the ground.
+    def cast(self, rng: Generator, number: int) -> list[tuple[bool, Footing]]:
+        """Return of each mover whether it bends, and its footing.
 
         Args:
             rng: Draws how many there are.
-            number: Of the sequence. The share `feet` is kept to within one mover over any row
-                of numbers in which all sequences have the same number of movers.
+            number: Of the sequence. The share `feet`, and the halves of the rest, are kept to
+                within one mover over any row of numbers in which all sequences have the same
+                number of movers.
         """
         counts = [int(rng.integers(low, high + 1)) for low, high in (self.rigid, self.flexible)]
         if sum(counts) == 0 and self.flexible[1] + self.rigid[1] > 0:
             counts = [min(1, self.rigid[1]), min(1, self.flexible[1])]
         bends = [False] * counts[0] + [True] * counts[1]
         first = number * len(bends)
-        stands = [
-            floor((first + k + 1) * self.feet) > floor((first + k) * self.feet)
-            for k in range(len(bends))
-        ]
-        return list(zip(bends, stands, strict=True))
+        return [(bent, self._footing(first + k)) for k, bent in enumerate(bends)]
+
+    def _footing(self, mover: int) -> Footing:
+        """Return the footing of a mover of an endless row."""
+        seen_before, seen = floor(mover * self.feet), floor((mover + 1) * self.feet)
+        if seen > seen_before:
+            return Footing.SEEN
+        # Hidden, air, air, hidden and again, since every second mover bends.
+        return Footing.NONE if (mover - seen_before + 1) // 2 % 2 else Footing.HIDDEN

@@ -5,17 +5,18 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
 
+import numpy as np
 from numpy.random import Generator
 
 from flexdepth.synth.animals import CAT, COW, DOG, HORSE, Beast, Bird
 from flexdepth.synth.courses import Course
-from flexdepth.synth.furniture import plant
-from flexdepth.synth.materials import Material
-from flexdepth.synth.outdoor_things import bush, tree
+from flexdepth.synth.fixtures import plant
+from flexdepth.synth.materials import Material, Part
 from flexdepth.synth.people import Person
 from flexdepth.synth.shapes import Mesh
 from flexdepth.synth.solids import bouncing, car, hovering, pushed, rolling
 from flexdepth.synth.swaying import Swaying, flag, flying_sheet, washing_line
+from flexdepth.synth.trees import shrub, tree
 
 
 class Body(Protocol):
@@ -97,7 +98,11 @@ def _potted(rng: Generator, course: Course) -> Body:
 
 
 def _planted(rng: Generator, course: Course) -> Body:
-    return Swaying.drawn(rng, course, (bush if rng.random() < 0.6 else tree)(rng))
+    grown = (shrub if rng.random() < 0.6 else tree)(rng)
+    # Level ground shows no roots, and a mover must not run into the ground.
+    flat = [np.maximum(part.mesh.corners, (-np.inf, 0, -np.inf)) for part in grown]
+    above = [Part(Mesh(c, p.mesh.uv), p.material) for c, p in zip(flat, grown, strict=True)]
+    return Swaying.drawn(rng, course, above)
 
 
 KINDS: tuple[Kind, ...] = (

@@ -1,6 +1,7 @@
 """Parks, squares and car parks: level places between buildings or trees."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.random import Generator
@@ -9,6 +10,7 @@ from flexdepth.synth.buildings import building
 from flexdepth.synth.bystanders import bird, bystander, pet
 from flexdepth.synth.field_things import rock
 from flexdepth.synth.flowers import bed, daisy
+from flexdepth.synth.head_lights import head_lights
 from flexdepth.synth.landscapes import under
 from flexdepth.synth.materials import Material, Part, material
 from flexdepth.synth.outdoor_things import fence, pole
@@ -21,7 +23,7 @@ from flexdepth.synth.place_things import (
     statue,
     steps,
 )
-from flexdepth.synth.scene import AreaLight, Scene
+from flexdepth.synth.scene import AreaLight, Scene, Spot
 from flexdepth.synth.shapes import (
     Array,
     Mesh,
@@ -93,8 +95,10 @@ def car_park(rng: Generator) -> Scene:
     """Return rows of parked cars, with some people between them."""
     above = weather(rng)
     parts = _plane(material(rng, "asphalt"), 4.0)
-    cars, apart, row = stocked(vehicle, 12), rng.uniform(2.4, 3.2), rng.uniform(9, 14)
+    cars, moving = stocked(vehicle, 12), stocked(partial(vehicle, lit=above.dark), 3)
+    apart, row = rng.uniform(2.4, 3.2), rng.uniform(9, 14)
     marks = []
+    spots: list[Spot] = []
     for z in np.arange(-3, 4) * row + row / 2:
         full = rng.uniform(0.3, 1)
         for x in np.arange(-45, 45, apart):
@@ -102,12 +106,15 @@ def car_park(rng: Generator) -> Scene:
             if rng.random() < full and np.hypot(x, z) > 4:
                 facing = np.pi * int(rng.integers(2)) + rng.normal(0, 0.03)
                 spot = (x + apart / 2, 0, z + rng.normal(0, 0.2))
-                parts += placed(cars(rng), spot, facing)
+                make = moving if rng.random() < 0.06 else cars
+                made = make(rng)
+                parts += placed(made, spot, facing)
+                spots += head_lights(made, spot, facing)
     parts.append(Part(joined(marks), material(rng, "paint")))
     crowd: Crowd = ((3.0, bystander), (3.0, pole), (2.0, tree), (1.0, bin_), (1.0, hedge))
     parts += _scattered(rng, crowd, (3, 40))
     parts += _around(rng, above.dark, rng.random() < 0.7, float(rng.uniform(45, 70)))
-    return _lit(rng, parts, above)
+    return replace(_lit(rng, parts, above), spots=tuple(spots), dark=above.dark)
 
 
 def _plane(look: Material, grown: float) -> Parts:

@@ -1,4 +1,4 @@
-"""People who walk, stand and hop; their skin and clothes bend with them."""
+"""People who walk, stand, sit and hop; their skin and clothes bend with them."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -8,7 +8,8 @@ import numpy as np
 from numpy.random import Generator
 
 from flexdepth.synth.courses import Course, Gait, bent, tipped
-from flexdepth.synth.materials import Material, material
+from flexdepth.synth.dress import Dress
+from flexdepth.synth.materials import Material
 from flexdepth.synth.shapes import Array, Mesh, joined, tilt, turn
 from flexdepth.synth.skins import limb, skin
 
@@ -43,50 +44,22 @@ _SHOULDER, _UPPER_ARM, _FOREARM, _HAND = 0.783, 0.172, 0.15, 0.09
 _HEEL, _BALL = -0.04, 0.06
 
 
-@dataclass(frozen=True, eq=False)
-class Dress:
-    """What somebody wears, and hair.
+@dataclass(frozen=True)
+class Pose:
+    """How a body is held.
 
     Attributes:
-        trousers: Of legs and pelvis.
-        shirt: Of chest and upper arms.
-        sleeve: Share of the arm that the shirt covers.
-        leg: Share of the leg that the trousers cover.
-        hem: Height at which a skirt or coat ends, a share of the body's height; 0 is none.
-        hair: Of the hair; skin where there is none.
-        nape: Height down to which the hair falls, a share of the body's height.
-        skin: Of face, hands and what is bare.
-        shoes: Of the shoes.
-        loose: How much wider than the body the clothes are.
+        hips: Greatest height of the hips, a share of the body's height.
+        feet: How far ahead of the hips the feet are, likewise.
+        fold: Least bend of the elbows, radians.
     """
 
-    trousers: Material
-    shirt: Material
-    sleeve: float
-    leg: float
-    hem: float
-    hair: Material
-    nape: float
-    skin: Material
-    shoes: Material
-    loose: float
+    hips: float
+    feet: float
+    fold: float
 
-    @classmethod
-    def drawn(cls, rng: Generator) -> "Dress":
-        """Return random clothes."""
-        flesh = material(rng, "skin")
-        return cls(
-            trousers=material(rng, "fabric"),
-            shirt=material(rng, "fabric"),
-            sleeve=float(rng.choice([0.4, 1.0, 1.0])),
-            leg=float(rng.choice([0.45, 1.0, 1.0, 1.0])),
-            hem=float(rng.uniform(0.22, 0.4)) if rng.random() < 0.25 else 0.0,
-            hair=flesh if rng.random() < 0.1 else material(rng, "bark"),
-            nape=float(rng.choice([0.9, 0.885, 0.8])),
-            skin=flesh,
-            shoes=material(rng, str(rng.choice(["tyre", "fabric", "wood"]))),
-            loose=float(rng.uniform(1.0, 1.2)),
-        )
+
+UPRIGHT = Pose(0.53, 0.0, 0.3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +75,7 @@ class Person:
         swing: Radians that the arms swing, or gesture.
         hop: Metres of a hop, once in each gait period and highest at time 0; 0 keeps the feet
             on the ground.
+        pose: How the body is held.
     """
 
     height: float
@@ -111,6 +85,7 @@ class Person:
     gait: Gait
     swing: float
     hop: float
+    pose: Pose = UPRIGHT
 
     @classmethod
     def drawn(cls, rng: Generator, course: Course, hop: float) -> "Person":
@@ -183,7 +158,7 @@ class Person:
         reach = 0.997 * (_THIGH + _SHIN)
         level = [a[1] + np.sqrt(max(reach**2 - a[2] ** 2 - 0.0004, 0.04)) for a in ankles]
         lowest = -0.008 * float(np.log(np.exp(-np.array(level) / 0.008).sum())) + 0.018
-        pelvis = np.array([sway, min(lowest, 0.53), 0.0])
+        pelvis = np.array([sway, min(lowest, self.pose.hips), 0.0])
         lean = tilt(0.05 if self._walks else 0.03 * sin(phase))
         chest = turn(twist) @ lean
         return pelvis, turn(-0.7 * twist), chest, turn(-0.3 * twist) @ tilt(0.04 * sin(2 * phase))
@@ -192,7 +167,8 @@ class Person:
         """Return a shoe and its ankle."""
         phase = 0.0 if side > 0 else 0.5
         own, raised = self.gait.step(time, phase) if self._walks else (time, 0.0)
-        spot = self.course.beside(own, 0.048 * side * self.height, 0.0) - self.course.place(time)
+        aside, ahead = 0.048 * side * self.height, self.pose.feet * self.height
+        spot = self.course.beside(own, aside, ahead) - self.course.place(time)
         at = self.course.axes(time).T @ spot / self.height + (0, raised / self.height, 0)
         yaw = self.course.turning * (own - time) + 0.12 * side
         pitch = self.gait.pitch(time, phase, 0.3, 0.75) if self._walks else 0.0
@@ -206,7 +182,7 @@ class Person:
         rises = -side * cos(phase) if self._walks else max(0.0, sin(phase + side))
         swing = self.swing * rises * (1 if self._walks else 2)
         shoulder = pelvis + chest @ (0.102 * side * self.girth, _SHOULDER - _HIP, 0)
-        fold = 0.3 + 0.7 * max(swing, 0.0)
+        fold = self.pose.fold + 0.7 * max(swing, 0.0)
 
         def hanging(angle: float, out: float) -> Array:
             direction = np.array([out * side, -cos(angle), sin(angle)])

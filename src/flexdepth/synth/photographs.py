@@ -13,8 +13,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from flexdepth.runtime.errors import InputError
-from flexdepth.runtime.images import is_picture_name, read_photo
+from flexdepth.runtime.images import photos_in, read_photo
 from flexdepth.runtime.opening import open_input
 from flexdepth.synth.patterns import SIZE
 
@@ -50,12 +49,7 @@ def photograph_files(folder: Path) -> list[Path]:
     Raises:
         InputError: There is no such folder, or no photograph in it.
     """
-    if not folder.is_dir():
-        raise InputError(f"{folder}: no such folder of photographs")
-    found = sorted(path for path in folder.rglob("*") if path.is_file() and is_picture_name(path))
-    if not found:
-        raise InputError(f"{folder}: holds no photograph; put .jpg or .png files into it")
-    return found
+    return photos_in(folder, "**/*")
 
 
 def digest(files: Sequence[Path]) -> str:
@@ -85,8 +79,10 @@ def _small(pixels: NDArray[np.uint8]) -> Photo:
     height, width = pixels.shape[:2]
     scale = min(1.0, _SIDE / max(height, width))
     size = max(2, round(scale * width)), max(2, round(scale * height))
-    shrunk = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA)
-    return np.asarray((shrunk / np.float32(255)) ** _GAMMA, np.float32)
+    # 16 bits, lest the means of many pixels be rounded to the steps of one.
+    deep = pixels * np.uint16(257)
+    shrunk = cv2.resize(deep, size, interpolation=cv2.INTER_AREA)
+    return np.asarray((shrunk / np.float32(65535)) ** _GAMMA, np.float32)
 
 
 def cuts(rng: Generator, photos: Sequence[Photo], count: int) -> list[Photo]:

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.random import Generator
 
-from flexdepth.synth.bystanders import bystander
+from flexdepth.synth.bystanders import bystander, seated
 from flexdepth.synth.materials import Part, material
-from flexdepth.synth.parts import Parts
+from flexdepth.synth.parts import Parts, placed
 from flexdepth.synth.shapes import box, draped, joined, revolved, tube, wire
 
 
@@ -74,18 +74,24 @@ def playground(rng: Generator) -> Parts:
 
 
 def cafe(rng: Generator) -> Parts:
-    """A table with chairs under a parasol."""
+    """A table with chairs, some taken, under a parasol."""
     table = revolved(
         [(0.25, 0), (0.03, 0.04), (0.03, 0.7), (0.38, 0.7), (0.38, 0.74), (0, 0.74)], 16
     )
-    chairs = []
+    chairs, guests = [], []
     for yaw in rng.uniform(0, 6.3) + np.arange(int(rng.integers(2, 5))) * 1.7:
         seat = [box((0, 0.45, 0), (0.42, 0.03, 0.42)), box((0, 0.72, 0.2), (0.42, 0.35, 0.03))]
         seat += [tube((x, 0, z), (x, 0.45, z), (0.015, 0.015), 5) for x in (-0.18, 0.18)
                  for z in (-0.18, 0.18)]  # fmt: skip
         out = np.array([np.sin(yaw), 0, np.cos(yaw)]) * rng.uniform(0.6, 0.9)
         chairs.append(joined(seat).placed(out, yaw))
-    parts = [Part(table, material(rng, "metal")), Part(joined(chairs), material(rng, "wood"))]
+        if rng.random() < 0.25:
+            guests += placed(seated(rng, 0.465), (float(out[0]), 0, float(out[2])), float(yaw))
+    parts = [
+        Part(table, material(rng, "metal")),
+        Part(joined(chairs), material(rng, "wood")),
+        *guests,
+    ]
     if rng.random() < 0.6:
         roof = revolved([(1.4, 2.1), (0.7, 2.4), (0, 2.6)], int(rng.choice([4, 8, 20])))
         parts += [

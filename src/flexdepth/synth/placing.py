@@ -8,8 +8,10 @@ from numpy.random import Generator
 
 from flexdepth.synth.correspondence import Camera
 from flexdepth.synth.courses import Course
+from flexdepth.synth.motion import Footing
 from flexdepth.synth.movers import Ground, Kind, Mover, kinds
 from flexdepth.synth.shapes import Array
+from flexdepth.synth.solids import Solid, unlit
 from flexdepth.synth.stage import Stage
 
 _SPOTS = 64
@@ -77,10 +79,12 @@ class Placed:
 
     Attributes:
         mover: It.
+        footing: What is to be seen of its feet.
         boxes: Its boxes at some times: times by low and high by 3.
     """
 
     mover: Mover
+    footing: Footing
     boxes: Array
 
 
@@ -88,7 +92,7 @@ def placed(
     rng: Generator,
     around: Surroundings,
     camera: Camera,
-    role: tuple[bool, bool, float],
+    role: tuple[bool, Footing, float],
     times: Array,
 ) -> Placed | None:
     """Return a mover that has room in front of a camera; None where none is found.
@@ -97,11 +101,11 @@ def placed(
         rng: Draws it.
         around: The scene.
         camera: The first frame's.
-        role: Whether it bends, whether it stands, and the share of the picture that it is to fill.
+        role: Whether it bends, its footing, and the share of the picture that it is to fill.
         times: When it must have room.
     """
-    bends, stands, share = role
-    choice = kinds(bends, stands, around.grounds)
+    bends, footing, share = role
+    choice = kinds(bends, footing is not Footing.NONE, around.grounds)
     kind, ground = choice[int(rng.integers(len(choice)))]
     filled = max(share, 1e-3) * camera.width * camera.height
     ahead = camera.focal * float(np.sqrt(kind.area / filled)) * rng.uniform(0.7, 1.4, _SPOTS)
@@ -111,10 +115,13 @@ def placed(
         spots[:, 0] = lane * rng.uniform(0.22, 0.5, _SPOTS)
     for attempt, spot in enumerate(_level_ones(around, spots, kind.stands)[:_PLACES]):
         course = _course(rng, (kind, ground), spot, 1 - attempt / _PLACES)
-        mover = Mover(kind, kind.make(rng, course))
+        body = kind.make(rng, course)
+        if isinstance(body, Solid) and not around.stage.scene.dark:
+            body = unlit(body)
+        mover = Mover(kind, body)
         boxes = _free_boxes(around, mover, times)
         if boxes is not None and not _holds(boxes, camera.view.eye):
-            return Placed(mover, boxes)
+            return Placed(mover, footing, boxes)
     return None
 
 

@@ -6,9 +6,10 @@ import cv2
 import numpy as np
 from numpy.random import Generator
 
-from flexdepth.synth.lighting import hazy, irradiance, mirrored, surface_colours
+from flexdepth.synth.glass import passed
+from flexdepth.synth.lighting import glazed, hazy, irradiance, mirrored, surface_colours
 from flexdepth.synth.skylight import Dome
-from flexdepth.synth.stage import Array, Hits, Stage
+from flexdepth.synth.stage import OFFSET, Array, Hits, Stage
 from flexdepth.synth.viewpoints import Viewpoint
 
 
@@ -38,25 +39,30 @@ def render(
     """Return the image of a stage from a viewpoint, one ray a pixel.
 
     Light is the sum of what glows, lamps and sun with shadows, and ambient light that near
-    surfaces block (ambient occlusion within the scene's reach). The few random rays a pixel
+    surfaces block (ambient occlusion within the scene's reach). Clear surfaces show what is
+    behind them, lit as what is before them is; depth is theirs. The few random rays a pixel
     leave noise, which a filter that keeps geometric edges removes. The clouds are drawn from
     `weather`, by default from `rng` as well: frames of a film share the sky, not the noise.
     """
     focal = view.focal * float(np.hypot(width, height))
-    rays = _camera_rays(width, height, focal)
+    rays = _camera_rays(width, height, focal) @ view.world_from_camera.T.astype(np.float32)
     hits, depth = _first_hits(stage, view, rays, focal)
-    seen = hits.ray
+    bodies, panes = passed(stage, hits, depth, rays, focal)
     dome = Dome.drawn(weather or rng, stage.scene, stage.library.skies)
-    light = dome.light(rays @ view.world_from_camera.T.astype(np.float32))
-    emitted, albedo = surface_colours(stage, hits)
+    light = dome.light(rays)
+    emitted, albedo = surface_colours(stage, bodies)
     arriving, guide = np.zeros_like(light), np.zeros_like(light)
-    arriving[seen] = irradiance(rng, stage, hits)
-    guide[seen] = 0.5 * hits.shading + np.log(depth[seen, None])
+    seen = bodies.ray
+    arriving[seen] = irradiance(rng, stage, bodies)
+    ahead = (bodies.point - view.eye) @ view.world_from_camera[:, 2:]
+    guide[seen] = 0.5 * bodies.shading + np.log(np.maximum(ahead, OFFSET))
     shape = height, width, 3
     smooth = _denoised(arriving.reshape(shape), guide.reshape(shape)).reshape(-1, 3)
-    share, other = mirrored(stage, dome, hits)
+    share, other = mirrored(stage, dome, bodies)
     own = emitted + (1 - share) * albedo * smooth[seen] + share * other
-    light[seen] = hazy(dome, hits, view.eye, own)
+    light[seen] = hazy(dome, bodies, view.eye, own)
+    for pane in reversed(panes):
+        light[pane.ray] = glazed(stage, dome, pane, view.eye, light[pane.ray])
     return Rendering(light.reshape(height, width, 3), depth.reshape(height, width), focal)
 
 
@@ -69,7 +75,8 @@ def worth_taking(stage: Stage, view: Viewpoint, aspect: float) -> bool:
     height = 30
     width = round(height * aspect)
     focal = view.focal * float(np.hypot(width, height))
-    hits, depth = _first_hits(stage, view, _camera_rays(width, height, focal), focal)
+    rays = _camera_rays(width, height, focal) @ view.world_from_camera.T.astype(np.float32)
+    hits, depth = _first_hits(stage, view, rays, focal)
     if len(hits.ray) < (0.25 if stage.scene.outdoors else 0.4) * len(depth):
         return False
     near, middle, far = np.percentile(depth[hits.ray], (4, 50, 95))
@@ -87,13 +94,12 @@ def _camera_rays(width: int, height: int, focal: float) -> Array:
 
 
 def _first_hits(stage: Stage, view: Viewpoint, rays: Array, focal: float) -> tuple[Hits, Array]:
-    """Return the surfaces that the camera sees and the depth of every ray.
+    """Return the surfaces that rays from the eye meet, and the depth of every ray.
 
-    The directions have z = 1 in the camera, so Embree's ray parameter is the depth.
+    The rays have z = 1 in the camera, so Embree's ray parameter is the depth.
     """
-    directions = rays @ view.world_from_camera.T.astype(np.float32)
-    origins = np.broadcast_to(view.eye.astype(np.float32), directions.shape).copy()
-    return stage.hits(origins, directions, focal)
+    origins = np.broadcast_to(view.eye.astype(np.float32), rays.shape).copy()
+    return stage.hits(origins, rays, focal)
 
 
 def _denoised(irradiance: Array, guide: Array) -> Array:

@@ -20,9 +20,11 @@ from flexdepth.synth.furniture import (
 from flexdepth.synth.parts import Maker, Parts, bounds, chosen, placed
 from flexdepth.synth.scene import AreaLight, Beam, Scene
 from flexdepth.synth.shapes import Array
+from flexdepth.synth.viewpoints import IN_ROOMS
 from flexdepth.synth.walls import Gap, Walls, shell
 
-_YAWS = (0.0, np.pi / 2, np.pi, -np.pi / 2)
+YAWS = (0.0, np.pi / 2, np.pi, -np.pi / 2)
+"""The ways out through the four walls of a room."""
 
 _OPEN = 0.4
 """Share of rooms that open into another through a wide gap or an open door."""
@@ -111,11 +113,17 @@ def furnished(rng: Generator, kind: Kind) -> Scene:
     whole = _contents(rng, kind, size, opening)
     if opening is not None:
         whole = whole.beside(_next_door(rng, kind, opening, size), (0, 0, length / 2))
-    dark = rng.random() < kind.dark
+    return lit(rng, whole, size, bool(rng.random() < kind.dark))
+
+
+def lit(rng: Generator, whole: "Contents", size: tuple[float, float, float], dark: bool) -> Scene:
+    """Return the scene of what is in a space around the origin, of a width, length and height."""
+    width, length, height = size
     warm = np.array([1, rng.uniform(0.85, 1), rng.uniform(0.65, 1.1)])
     corner = np.array([width / 2, 0, length / 2]) - np.minimum(
         (0.35, 0, 0.35), (width / 4, 0, length / 4)
     )
+    below = height - 0.12
     return Scene(
         parts=whole.parts,
         lamps=whole.lamps[:1] if dark else whole.lamps,
@@ -125,14 +133,12 @@ def furnished(rng: Generator, kind: Kind) -> Scene:
         horizon=np.ones(3),
         zenith=np.ones(3),
         clouds=0.0,
-        eyes=(
-            -corner + np.array([0, rng.uniform(0.2, 1.2), 0]),
-            corner + np.array([0, rng.uniform(1.2, min(2.0, height - 0.2)), 0]),
-        ),
+        eyes=(-corner, corner + np.array([0, below, 0])),
         outdoors=False,
         beams=() if dark else tuple(whole.beams),
         subjects=tuple(whole.subjects),
-        nearest=0.2,
+        carriers=IN_ROOMS,
+        ceiling=below,
     )
 
 
@@ -143,18 +149,18 @@ def _size(rng: Generator, kind: Kind) -> tuple[float, float, float]:
 
 def _next_door(
     rng: Generator, kind: Kind, opening: Gap, size: tuple[float, float, float]
-) -> "_Contents":
+) -> "Contents":
     """Return the room behind an opening; it begins at z = 0."""
     other = _KINDS[int(rng.integers(len(_KINDS)))] if rng.random() < 0.6 else kind
     width, length, _ = _size(rng, other)
     wide, long = max(min(width, 6.0), opening.right - opening.left + 0.3), min(length, 6.0)
-    behind = _contents(rng, other, (wide, long, size[2]), None, closed=_YAWS[:2] + _YAWS[3:])
+    behind = _contents(rng, other, (wide, long, size[2]), None, closed=YAWS[:2] + YAWS[3:])
     middle = (opening.left + opening.right) / 2
-    return _Contents([], [], [], []).beside(behind, (middle, 0, long / 2))
+    return Contents([], [], [], []).beside(behind, (middle, 0, long / 2))
 
 
 @dataclass(frozen=True, eq=False)
-class _Contents:
+class Contents:
     """What a room consists of: parts, lamps, sunlight and what is worth a look from near."""
 
     parts: Parts
@@ -162,7 +168,7 @@ class _Contents:
     beams: list[Beam]
     subjects: list[tuple[Array, Array]]
 
-    def beside(self, other: "_Contents", at: tuple[float, float, float]) -> "_Contents":
+    def beside(self, other: "Contents", at: tuple[float, float, float]) -> "Contents":
         """Return these with the parts and one lamp of another room moved to a place."""
         moved = [replace(lamp, centre=lamp.centre + at) for lamp in other.lamps[:1]]
         return replace(self, parts=self.parts + placed(other.parts, at), lamps=self.lamps + moved)
@@ -173,8 +179,8 @@ def _contents(
     kind: Kind,
     size: tuple[float, float, float],
     opening: Gap | None,
-    closed: tuple[float, ...] = _YAWS,
-) -> _Contents:
+    closed: tuple[float, ...] = YAWS,
+) -> Contents:
     """Return a room around the origin; `opening` is in its wall at +z."""
     width, length, height = size
     crowd = rng.uniform(*kind.crowd)
@@ -186,7 +192,7 @@ def _contents(
         across, reach = (width, length) if yaw in (0.0, np.pi) else (length, width)
         at = (float(np.sin(yaw) * reach / 2), 0.0, float(np.cos(yaw) * reach / 2))
         gap = opening if yaw == 0.0 else None
-        against = _row_along_wall(rng, kind.along_walls, across, crowd)
+        against = row_along_wall(rng, kind.along_walls, across, crowd)
         things += [placed(thing, at, yaw) for thing in against if gap is None or gap.misses(thing)]
         wall, lit = walls.built(rng, (across, height), (np.asarray(at), yaw), gap)
         parts += wall
@@ -196,7 +202,7 @@ def _contents(
     parts += under_ceiling(rng, kind.hung, width, length, height)
     parts += odd_corners(rng, walls.shared, size)
     fittings, lights = lamps(rng, int(rng.integers(1, 4)), size)
-    return _Contents(parts + fittings, lights, beams, [bounds(thing) for thing in things])
+    return Contents(parts + fittings, lights, beams, [bounds(thing) for thing in things])
 
 
 def _strewn(rng: Generator, kind: Kind, crowd: float, size: tuple[float, float]) -> list[Parts]:
@@ -205,7 +211,7 @@ def _strewn(rng: Generator, kind: Kind, crowd: float, size: tuple[float, float])
     for _ in range(int(rng.poisson(kind.density * crowd * size[0] * size[1]))):
         thing = chosen(rng, kind.anywhere)
         x, z = rng.uniform(-0.42, 0.42, 2) * size
-        square = float(rng.choice(_YAWS) + rng.normal(0, 0.15))
+        square = float(rng.choice(YAWS) + rng.normal(0, 0.15))
         yaw = square if rng.random() < 0.7 else float(rng.uniform(0, 6.3))
         things.append(placed(thing, (float(x), 0, float(z)), yaw))
     if rng.random() < 0.4:
@@ -215,7 +221,7 @@ def _strewn(rng: Generator, kind: Kind, crowd: float, size: tuple[float, float])
     return things
 
 
-def _row_along_wall(
+def row_along_wall(
     rng: Generator, things: tuple[Maker, ...], across: float, crowd: float
 ) -> list[Parts]:
     """Return furniture side by side along a wall at z = 0 that is `across` wide."""

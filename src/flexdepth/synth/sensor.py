@@ -73,5 +73,8 @@ class Sensor:
         eight = (255 * np.clip(picture, 0, 1)).round().astype(np.uint8)
         if self.quality == 100:
             return eight
-        packed = cv2.imencode(".jpg", eight, [cv2.IMWRITE_JPEG_QUALITY, self.quality])[1]
-        return np.asarray(cv2.imdecode(packed, cv2.IMREAD_COLOR), np.uint8)
+        # OpenCV's pictures are blue, green, red, and JPEG keeps less of blue than of red.
+        shown = cv2.cvtColor(eight, cv2.COLOR_RGB2BGR)
+        packed = cv2.imencode(".jpg", shown, [cv2.IMWRITE_JPEG_QUALITY, self.quality])[1]
+        seen = np.asarray(cv2.imdecode(packed, cv2.IMREAD_COLOR), np.uint8)
+        return np.asarray(cv2.cvtColor(seen, cv2.COLOR_BGR2RGB), np.uint8)

@@ -19,7 +19,7 @@ from flexdepth.synth.shapes import Array
 from flexdepth.synth.shutter import smeared
 from flexdepth.synth.takes import Take, composed, owners
 
-SEQUENCE_VERSION = 2
+SEQUENCE_VERSION = 3
 """Raised when the same (seed, index) no longer gives the same sequence."""
 
 _TRIES = 30
@@ -57,7 +57,8 @@ PAIRS = SequenceSettings(
 """Small frames with one mover that is rigid and one that bends, to measure two-frame depth on.
 
 The first two are the pair; the third is another view. Two thirds of the movers, over a row of
-seeds or of numbers, stand on the ground and show it; of every three in a row one is in the air.
+seeds or of numbers, stand on the ground and show it; of the others half stand too, with their feet
+behind something or below the picture, and half are in the air.
 """
 
 LARGE_PAIRS = SequenceSettings(
@@ -163,7 +164,7 @@ def _exposed(
         flow = -backward.flow
     else:
         return seen.light
-    return smeared(seen.light, seen.depth, flow.astype(np.float32), share)
+    return smeared(seen.light, seen.depth, lambda time: time * share / 2 * flow)
 
 
 def _seen(shot: Take, frame: int) -> tuple[Camera, Moment, Sight]:

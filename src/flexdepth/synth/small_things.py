@@ -35,7 +35,7 @@ def vessel(rng: Generator, height: float) -> Parts:
     profile = [(0.0, 0.0), *zip(radius, steps * height, strict=True)]
     if rng.random() < 0.5:
         profile += [(0.9 * r, y) for r, y in zip(radius[:5:-2], steps[:5:-2] * height, strict=True)]
-    return [Part(revolved(profile, 20), material(rng, str(rng.choice([_GLAZE, "thing", "glass"]))))]
+    return [Part(revolved(profile, 20), material(rng, str(rng.choice([_GLAZE, "thing", "flask"]))))]
 
 
 def jar(rng: Generator) -> Parts:
@@ -44,7 +44,9 @@ def jar(rng: Generator) -> Parts:
 
 
 def cup(rng: Generator) -> Parts:
-    """A cup or a mug with a handle, mostly full of coffee, at times on a saucer."""
+    """A glass, or a cup with a handle, mostly full of coffee, at times on a saucer."""
+    if rng.random() < 0.35:
+        return _tumbler(rng)
     radius, height = rng.uniform((0.032, 0.06), (0.048, 0.11))
     foot = radius * rng.uniform(0.6, 1)
     wall = 0.004
@@ -71,6 +73,25 @@ def cup(rng: Generator) -> Parts:
     return placed(parts, (0, 0, 0), float(rng.uniform(0, 2 * pi)))
 
 
+def _tumbler(rng: Generator) -> Parts:
+    """Return a glass, with or without a stem, and what is left in it."""
+    radius, height = rng.uniform((0.028, 0.08), (0.042, 0.15))
+    base = float(rng.choice([0.006, 0.45 * height]))
+    foot = [(0, 0), (0.9 * radius, 0.002), (0.004, 0.006), (0.004, base)] if base > 0.01 else []
+    steps = np.linspace(0, 1, 7)
+    bow = radius * (1 - rng.uniform(0, 0.3) * (1 - steps)) * np.minimum(1, 0.5 + 4 * steps)
+    wall = [*zip(bow, base + steps * (height - base), strict=True)]
+    parts = [Part(revolved([*foot, (0, base), *wall], 24), material(rng, "flask"))]
+    if rng.random() < 0.6:
+        left = steps * rng.uniform(0.2, 0.85)
+        inside = 0.95 * np.interp(left, steps, bow)
+        level = base + 0.002 + left * (height - base)
+        filled = [(0, level[0]), *zip(inside, level, strict=True), (0, level[-1])]
+        drink = str(rng.choice(["drink", "coffee", "plastic", "flask"]))
+        parts.append(Part(revolved(filled, 24), material(rng, drink)))
+    return parts
+
+
 def bottle(rng: Generator) -> Parts:
     """A bottle with neck, cap and label."""
     radius, height = rng.uniform((0.025, 0.17), (0.05, 0.34))
@@ -80,7 +101,7 @@ def bottle(rng: Generator) -> Parts:
         (radius * 0.8, (shoulder + 0.06) * height), (radius * neck, (shoulder + 0.16) * height),
         (radius * neck, height), (0, height),
     ]  # fmt: skip
-    body = material(rng, str(rng.choice(["glass", "plastic", "plastic"])))
+    body = material(rng, str(rng.choice(["flask", "flask", "plastic", "plastic"])))
     paper = fitted(rng, "packet", 2 * pi * radius, 0.3 * height)
     band = revolved([(radius + 1e-3, 0.12 * height), (radius + 1e-3, 0.42 * height)], 24)
     cap = revolved(
@@ -90,11 +111,16 @@ def bottle(rng: Generator) -> Parts:
             (radius * neck + 0.004, height - 0.01),
         ]
     )
-    return [
+    parts = [
         Part(revolved(profile, 24), body),
         Part(band, paper),
         Part(cap, material(rng, "plastic")),
     ]
+    if body.clear and rng.random() < 0.6:
+        level = shoulder * height * rng.uniform(0.2, 1)
+        filled = [(0, 0.006), (0.95 * radius, 0.006), (0.95 * radius, level), (0, level)]
+        parts.append(Part(revolved(filled, 24), material(rng, str(rng.choice(["drink", "flask"])))))
+    return parts
 
 
 def tin(rng: Generator) -> Parts:

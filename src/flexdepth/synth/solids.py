@@ -8,9 +8,12 @@ import numpy as np
 from numpy.random import Generator
 
 from flexdepth.synth.courses import Course
-from flexdepth.synth.furniture import Parts, ball, cabinet, chair, stack, toy_house
+from flexdepth.synth.fixtures import ball, toy_house
 from flexdepth.synth.materials import Material, Part, material
+from flexdepth.synth.parts import Parts
+from flexdepth.synth.seating import chair
 from flexdepth.synth.shapes import Array, Mesh, blob, box, turn
+from flexdepth.synth.storage import cabinet, stack
 from flexdepth.synth.vehicles import vehicle
 
 _GRAVITY = 9.81
@@ -57,9 +60,20 @@ def _bounced(peak: float, since: float, time: float) -> float:
 
 
 def car(rng: Generator, course: Course) -> Solid:
-    """Return a car or van that drives its course; its wheels do not turn."""
-    facing = [Part(part.mesh.placed((0, 0, 0), pi), part.material) for part in vehicle(rng)]
+    """Return a vehicle that drives its course with its lamps on; its wheels do not turn."""
+    driven = vehicle(rng, lit=True)
+    facing = [Part(part.mesh.placed((0, 0, 0), pi), part.material) for part in driven]
     return Solid(facing, course, 0.0, np.array([0, course.turning, 0]))
+
+
+def unlit(solid: Solid) -> Solid:
+    """Return the same with its lamps off: glossy, and half as light as the colour they had."""
+    off = [
+        replace(look, glow=0.0, colours=look.colours / 2, gloss=0.05) if look.glow > 0 else look
+        for look in solid.looks
+    ]
+    parts = [Part(part.mesh, look) for part, look in zip(solid.parts, off, strict=True)]
+    return replace(solid, parts=parts)
 
 
 def pushed(rng: Generator, course: Course) -> Solid:

@@ -10,6 +10,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from flexdepth.synth.library import Library
+from flexdepth.synth.materials import Material
 from flexdepth.synth.scene import Scene
 from flexdepth.synth.shapes import Mesh
 
@@ -57,7 +58,8 @@ class Stage:
         uv: Texture coordinates of each triangle's corners.
         normals: Shading normals there.
         material: The material of each triangle, a row of the tables that follow.
-        colours: The three colours of each material.
+        colours: Four colours of each material: the three that it scatters back or emits, then the
+            share of light from behind that passes it.
         size: Metres after which its texture repeats.
         glow: Light it emits.
         gloss: Share of the light that it mirrors.
@@ -95,7 +97,7 @@ class Stage:
             uv=np.concatenate([mesh.uv for mesh in meshes]).astype(np.float32),
             normals=smooth_normals(meshes),
             material=np.repeat(np.arange(len(counts)), counts),
-            colours=np.array([m.colours for m in materials], np.float32),
+            colours=np.array([_four_colours(m) for m in materials], np.float32),
             size=np.array([m.size for m in materials], np.float32),
             glow=np.array([m.glow for m in materials], np.float32),
             gloss=np.array([m.gloss for m in materials], np.float32),
@@ -105,10 +107,27 @@ class Stage:
             library=library,
         )
 
-    def hits(self, origins: Array, directions: Array, focal: float) -> tuple[Hits, Array]:
+    def passing(self, triangle: NDArray[np.intp]) -> Array:
+        """Return the share of light that passes each of the triangles: red, green, blue."""
+        return np.asarray(self.colours[self.material[triangle], 3])
+
+    def clear(self, triangle: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Return whether light passes each of the triangles."""
+        passes = np.asarray(self.colours[:, 3] > 0).any(axis=1)
+        return np.asarray(passes)[self.material[triangle]]
+
+    @property
+    def glazed(self) -> bool:
+        """Whether light passes anything in it."""
+        return bool(self.colours[:, 3].any())
+
+    def hits(
+        self, origins: Array, directions: Array, focal: float, gone: Array | float = 0.0
+    ) -> tuple[Hits, Array]:
         """Return what rays meet first, and the ray parameter of each; +inf where nothing is.
 
-        A pixel covers ray parameter / focal metres of a surface that faces the ray.
+        A pixel covers ray parameter / focal metres of a surface that faces the ray; a ray that
+        has come a part of its way before its origin has `gone` more.
         """
         found = self.tracer.run(origins, directions, output=1)
         ray = np.flatnonzero(found["primID"] >= 0)
@@ -131,9 +150,17 @@ class Stage:
             towards=towards,
             triangle=triangle,
             uv=_mixed(weights, self.uv[triangle]),
-            footprint=(far[ray] / focal / np.sqrt(np.maximum(slant, 0.02))).astype(np.float32),
+            footprint=((far + gone)[ray] / focal / np.sqrt(np.maximum(slant, 0.02))).astype(
+                np.float32
+            ),
         )
         return hits, far
+
+
+def _four_colours(look: Material) -> NDArray[np.float64]:
+    """Return what a material scatters back or emits, three colours, and what passes it."""
+    through = look.clear * look.colours.mean(0)
+    return np.concatenate([(1 - look.clear) * look.colours, through[None]])
 
 
 def smooth_normals(meshes: Sequence[Mesh]) -> Array:

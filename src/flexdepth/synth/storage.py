@@ -7,11 +7,11 @@ from flexdepth.synth.clutter import IN_SHELVES, clutter
 from flexdepth.synth.materials import Part, fitted, material
 from flexdepth.synth.parts import Parts, placed
 from flexdepth.synth.seating import legs
-from flexdepth.synth.shapes import Mesh, blob, box, cushion, joined, tube, turn
+from flexdepth.synth.shapes import Mesh, blob, box, cushion, joined, quad, tube, turn
 
 
 def shelf(rng: Generator) -> Parts:
-    """An open shelf with books and things."""
+    """A shelf with books and things, open or behind glass doors."""
     width, height, depth = rng.uniform((0.5, 0.8, 0.22), (1.6, 2.2, 0.4))
     levels = int(rng.integers(2, 7))
     pitch = height / levels
@@ -28,7 +28,19 @@ def shelf(rng: Generator) -> Parts:
                 clutter(rng, (width, 0.7 * depth), 2 * count, 0.8 * pitch, IN_SHELVES),
                 (0, k * pitch + 0.012, 0),
             )
-    return parts
+    return parts + (_doors(rng, (width, height, depth)) if rng.random() < 0.3 else [])
+
+
+def _doors(rng: Generator, size: tuple[float, float, float]) -> Parts:
+    """Return glass doors with thin frames before a shelf."""
+    width, height, depth = size
+    bar, front = float(rng.choice([0.012, 0.04])), -depth / 2 - 0.012
+    x = np.linspace(-width / 2, width / 2, 1 + max(1, round(width / rng.uniform(0.4, 0.8))))
+    posts = [box((at, height / 2, front), (bar, height, 0.02)) for at in x]
+    rails = [box((0, y, front), (width, bar, 0.02)) for y in (bar / 2, height - bar / 2)]
+    pane = quad((-width / 2, 0, front), (width, 0, 0), (0, height, 0))
+    frame = material(rng, str(rng.choice(["wood", "metal", "metal"])))
+    return [Part(joined(posts + rails), frame), Part(pane, material(rng, "pane"))]
 
 
 def _books(rng: Generator, width: float, height: float, depth: float) -> Parts:
@@ -102,7 +114,7 @@ def rack(rng: Generator) -> Parts:
 
 
 def goods(rng: Generator) -> Parts:
-    """A shop's shelf: rows of the same packet, tin or bottle beside the next."""
+    """A shop's shelf, open or with glass doors: rows of the same packet beside the next."""
     width, height, depth = rng.uniform((0.9, 1.3, 0.3), (2.4, 2.2, 0.5))
     levels = int(rng.integers(3, 7))
     pitch = height / levels
@@ -132,7 +144,7 @@ def goods(rng: Generator) -> Parts:
             x += max(count, 1) * size[0] + 0.01
         tag = box((0, k * pitch + 0.08, -depth / 2 - 0.004), (width, 0.035, 0.004))
         parts.append(Part(tag, material(rng, "paper")))
-    return parts
+    return parts + (_doors(rng, (width, height, depth + 0.02)) if rng.random() < 0.2 else [])
 
 
 def crates(rng: Generator) -> Parts:

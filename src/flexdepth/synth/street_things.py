@@ -3,8 +3,9 @@
 import numpy as np
 from numpy.random import Generator
 
-from flexdepth.synth.furniture import Parts
+from flexdepth.synth.bystanders import seated
 from flexdepth.synth.materials import Part, fitted, glowing, material
+from flexdepth.synth.parts import Parts, placed
 from flexdepth.synth.shapes import box, cushion, joined, leaves_at, quad, revolved, rods, tube, wire
 from flexdepth.synth.trees import foliage
 
@@ -23,7 +24,7 @@ def lamp_post(rng: Generator, lit: bool) -> tuple[Parts, tuple[float, float, flo
 
 
 def bench(rng: Generator) -> Parts:
-    """A park bench along x, its back at +z."""
+    """A park bench along x, its back at +z, at times with somebody on it."""
     length = rng.uniform(1.2, 2.2)
     slats = [box((0, 0.45, z), (length, 0.03, 0.09)) for z in (-0.18, -0.06, 0.06, 0.18)]
     slats += [box((0, y, 0.26 + 0.2 * (y - 0.5)), (length, 0.09, 0.03)) for y in (0.6, 0.73, 0.86)]
@@ -32,7 +33,11 @@ def bench(rng: Generator) -> Parts:
         for x in (-0.42 * length, 0.42 * length)
         for z in (-0.2, 0.22)
     ]
-    return [Part(joined(slats), material(rng, "wood")), Part(joined(legs), material(rng, "metal"))]
+    parts = [Part(joined(slats), material(rng, "wood")), Part(joined(legs), material(rng, "metal"))]
+    if rng.random() < 0.35:
+        x = float(rng.uniform(-0.3, 0.3)) * length
+        parts += placed(seated(rng, 0.465), (x, 0, 0.05), float(rng.normal(0, 0.15)))
+    return parts
 
 
 def bin_(rng: Generator) -> Parts:
@@ -73,7 +78,7 @@ def bollards(rng: Generator) -> Parts:
 
 
 def bus_stop(rng: Generator) -> Parts:
-    """A roof on posts with a bench, and a poster at one end; open towards -z."""
+    """A roof on posts with a bench, mostly panes, and a poster at one end; open towards -z."""
     wide, deep, tall = rng.uniform((2.5, 1.2, 2.3), (4.5, 1.7, 2.6))
     roof = box((0, tall, 0), (wide + 0.3, 0.08, deep + 0.3))
     posts = [
@@ -83,7 +88,13 @@ def bus_stop(rng: Generator) -> Parts:
     ]
     frame = [box((0, y, deep / 2), (wide, 0.05, 0.04)) for y in (0.3, tall - 0.2)]
     poster = box((wide / 2, 1.25, 0), (0.1, 1.8, deep * 0.9))
+    panes = [
+        quad((-wide / 2, 0.3, deep / 2), (wide, 0, 0), (0, tall - 0.5, 0)),
+        quad((-wide / 2, 0.3, -deep / 2), (0, 0, deep), (0, tall - 0.5, 0)),
+    ]
+    glazing = [Part(joined(panes), material(rng, "pane"))] if rng.random() < 0.8 else []
     return [
+        *glazing,
         Part(joined([roof, *posts, *frame]), material(rng, "metal")),
         Part(poster, fitted(rng, "poster", deep, 1.8)),
         Part(box((0, 0.45, deep / 2 - 0.25), (0.7 * wide, 0.05, 0.3)), material(rng, "wood")),

@@ -1,17 +1,19 @@
 """Streets: a road along z between pavements, houses, gardens, trees and parked cars."""
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.random import Generator
 
 from flexdepth.synth.buildings import building
 from flexdepth.synth.bystanders import bystander
+from flexdepth.synth.head_lights import head_lights
 from flexdepth.synth.landscapes import under
 from flexdepth.synth.materials import Part, material
 from flexdepth.synth.outdoor_things import fence, pole
 from flexdepth.synth.parts import Maker, Parts, placed
-from flexdepth.synth.scene import AreaLight, Scene
+from flexdepth.synth.scene import AreaLight, Scene, Spot
 from flexdepth.synth.shapes import Mesh, blob, box, joined, quad
 from flexdepth.synth.skies import weather
 from flexdepth.synth.stock import stocked
@@ -35,6 +37,10 @@ _REACH = 140.0
 """Metres of street in front of and behind the middle."""
 
 
+_WAITING = 0.12
+"""Share of the vehicles at the kerb whose driver has only stopped."""
+
+
 @dataclass(frozen=True)
 class _Cast:
     """What a street is filled with: a few individuals of each kind."""
@@ -42,19 +48,22 @@ class _Cast:
     tree: Maker
     shrub: Maker
     hedge: Maker
-    vehicle: Maker
+    parked: Maker
+    driven: Maker
     bicycle: Maker
     person: Maker
     furniture: Maker
 
     @classmethod
-    def drawn(cls) -> "_Cast":
-        """Return a cast that is made as it is called for."""
+    def drawn(cls, dark: bool) -> "_Cast":
+        """Return a cast that is made as it is called for; what drives in the dark is lit."""
+        parked = stocked(vehicle, 10)
         return cls(
             tree=stocked(tree, 5),
             shrub=stocked(shrub, 4),
             hedge=stocked(hedge, 2),
-            vehicle=stocked(vehicle, 10),
+            parked=parked,
+            driven=stocked(partial(vehicle, lit=True), 8) if dark else parked,
             bicycle=stocked(bicycle, 2),
             person=stocked(bystander, 7),
             furniture=stocked(_furniture, 6),
@@ -68,11 +77,14 @@ def street(rng: Generator) -> Scene:
     above = weather(rng)
     lit = float(rng.uniform(0.15, 0.7)) if above.dark else 0.0
     parts = _ground(rng, half_road, pavement)
-    cast = _Cast.drawn()
+    cast = _Cast.drawn(above.dark)
+    spots: list[Spot] = []
     for side in (-1, 1):
         parts += _roadside(rng, cast, side, (half_road, pavement), lit)
-        parts += _parked(rng, cast, side, half_road)
-    parts += _traffic(rng, cast, half_road)
+        stopped, ahead = _parked(rng, cast, side, half_road)
+        parts, spots = parts + stopped, spots + ahead
+    moving, ahead = _traffic(rng, cast, half_road)
+    parts, spots = parts + moving, spots + ahead
     if rng.random() < 0.25:
         parts += cables(rng, _REACH, half_road + pavement + 0.3)
     parts += _far(rng)
@@ -87,6 +99,8 @@ def street(rng: Generator) -> Scene:
         carriers=ON_ROADS,
         variety=6,
         road=half_road,
+        spots=tuple(spots),
+        dark=above.dark,
     )
 
 
@@ -189,32 +203,40 @@ def _furniture(rng: Generator) -> Parts:
     return _FURNITURE[int(rng.integers(len(_FURNITURE)))](rng)
 
 
-def _parked(rng: Generator, cast: _Cast, side: int, half_road: float) -> Parts:
+def _parked(rng: Generator, cast: _Cast, side: int, half_road: float) -> tuple[Parts, list[Spot]]:
+    """Return the vehicles at one kerb, and the light of those that have only stopped."""
     density = rng.choice([0.0, 0.3, 0.8])
     parts: Parts = []
+    spots: list[Spot] = []
     z = -_REACH
     while half_road > 2.8 and z < _REACH:
         if rng.random() < density:
             yaw = (0 if side > 0 else np.pi) + rng.normal(0, 0.04)
-            parts += placed(cast.vehicle(rng), (side * (half_road - 1.0), 0, z), yaw)
+            make = cast.driven if rng.random() < _WAITING else cast.parked
+            made, at = make(rng), (side * (half_road - 1.0), 0, z)
+            parts += placed(made, at, yaw)
+            spots += head_lights(made, at, yaw)
         z += rng.uniform(5, 8)
-    return parts
+    return parts, spots
 
 
-def _traffic(rng: Generator, cast: _Cast, half_road: float) -> Parts:
-    """Return vehicles and people on the road."""
+def _traffic(rng: Generator, cast: _Cast, half_road: float) -> tuple[Parts, list[Spot]]:
+    """Return vehicles and people on the road, and the light of the vehicles."""
     parts: Parts = []
+    spots: list[Spot] = []
     for _ in range(int(rng.poisson(rng.choice([0, 3, 10])))):
         side = int(rng.choice([-1, 1]))
         x = side * half_road * rng.uniform(0.25, 0.55)
         yaw = (0 if side > 0 else np.pi) + rng.normal(0, 0.08)
-        parts += placed(cast.vehicle(rng), (x, 0, rng.uniform(-_REACH, _REACH)), yaw)
+        made, at = cast.driven(rng), (x, 0, rng.uniform(-_REACH, _REACH))
+        parts += placed(made, at, yaw)
+        spots += head_lights(made, at, yaw)
     for _ in range(int(rng.poisson(0.8))):
         spot = (rng.uniform(-half_road, half_road), 0, rng.uniform(-40, 40))
         parts += placed(
             (cast.person if rng.random() < 0.7 else cast.bicycle)(rng), spot, rng.uniform(0, 6.3)
         )
-    return parts
+    return parts, spots
 
 
 def _far(rng: Generator) -> Parts:

@@ -16,6 +16,7 @@ class Kind:
         gloss: Least and most share of light that is mirrored.
         rough: Least and most roughness of the glossy ones.
         shiny: Share of surfaces that have a gloss at all.
+        clear: Share of the light from behind that passes, times the colour.
     """
 
     patterns: tuple[str, ...]
@@ -26,6 +27,7 @@ class Kind:
     gloss: tuple[float, float] = (0.02, 0.06)
     rough: tuple[float, float] = (0.003, 0.05)
     shiny: float = 0.3
+    clear: float = 0.0
 
 
 _PICTURES = (
@@ -167,6 +169,9 @@ KINDS: dict[str, Kind] = {
         shiny=0.7,
     ),
     "mirror": Kind(("plain",), 0.05, (1.0, 1.0), 0.1, (0.01, 0.03), (0.8, 0.95), (0.0, 0.0), 1),
+    "flask": Kind(
+        ("plain",), 0.03, (0.3, 0.6), 0.8, (0.4, 0.97), (0.04, 0.06), (0.0, 0.004), 1, 0.96
+    ),
     "facade": Kind(
         ("windows", "windows", "bricks", "mottled", "plain", "tiles"), 0.6, (2.0, 7.0), shiny=0
     ),
@@ -185,7 +190,10 @@ KINDS: dict[str, Kind] = {
 
 @dataclass(frozen=True)
 class Nature:
-    """What has its own colour: textures, mean albedo, sizes in metres, gloss, roughness, waves."""
+    """What has its own colour.
+
+    Textures, mean albedo, sizes in metres, gloss, roughness, waves, share of light that passes.
+    """
 
     patterns: tuple[str, ...]
     base: tuple[float, float, float]
@@ -193,6 +201,7 @@ class Nature:
     gloss: float = 0.0
     rough: float = 0.0
     ripple: float = 0.0
+    clear: float = 0.0
 
 
 NATURE: dict[str, Nature] = {
@@ -204,6 +213,9 @@ NATURE: dict[str, Nature] = {
     "skin": Nature(("plain",), (0.5, 0.33, 0.25), (0.3, 0.6)),
     "roof": Nature(("tiles", "bricks", "stripes"), (0.25, 0.12, 0.09), (1.0, 3.0)),
     "glass": Nature(("mottled", "plain"), (0.03, 0.035, 0.04), (1.0, 3.0), 0.1, 0.002),
+    "pane": Nature(("plain",), (0.93, 0.96, 0.94), (1.0, 3.0), 0.05, 0.0, clear=0.97),
+    "smoked": Nature(("plain",), (0.5, 0.54, 0.52), (1.0, 3.0), 0.06, 0.0, clear=0.97),
+    "drink": Nature(("plain",), (0.3, 0.1, 0.04), (0.1, 0.2), 0.04, 0.003),
     "paint": Nature(("plain", "speckled"), (0.75, 0.75, 0.72), (0.5, 2.0)),
     "tyre": Nature(("plain",), (0.02, 0.02, 0.02), (0.3, 0.5)),
     "card": Nature(("plain", "mottled", "label"), (0.42, 0.28, 0.16), (0.3, 0.8)),

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.random import Generator
 
 from flexdepth.synth.courses import Course
-from flexdepth.synth.furniture import Parts
 from flexdepth.synth.materials import Material, material
+from flexdepth.synth.parts import Parts
 from flexdepth.synth.shapes import Array, Mesh, joined, surface, tube, turn
 
 _ROWS, _COLUMNS = 17, 21

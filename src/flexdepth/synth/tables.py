@@ -8,13 +8,15 @@ from flexdepth.synth.devices import keyboard, monitor
 from flexdepth.synth.materials import Material, Part, fitted, material
 from flexdepth.synth.parts import Parts, placed
 from flexdepth.synth.seating import legs
-from flexdepth.synth.shapes import box, cushion, joined, revolved, tube
+from flexdepth.synth.shapes import box, cushion, joined, quad, revolved, tube
 from flexdepth.synth.skins import skin
 
 
 def table(rng: Generator) -> Parts:
     """A table or desk with things on it."""
     width, depth, height = rng.uniform((0.6, 0.5, 0.4), (2.0, 1.0, 0.8))
+    if rng.random() < 0.12:
+        return _glass_table(rng, (width, depth, height))
     look = material(rng, str(rng.choice(["wood", "wood", "counter"])))
     if rng.random() < 0.25:
         top = revolved(
@@ -38,6 +40,30 @@ def table(rng: Generator) -> Parts:
     return parts + placed(
         clutter(rng, (width, depth), int(rng.integers(0, 12)), 0.5, ON_TABLES), (0, height, 0)
     )
+
+
+def _glass_table(rng: Generator, size: tuple[float, float, float]) -> Parts:
+    """Return a table with a top of glass, round or not, some with a shelf below."""
+    width, depth, height = size
+    pane, frame = material(rng, "pane"), material(rng, str(rng.choice(["metal", "wood"])))
+    reach = (width, depth)
+    if rng.random() < 0.35:
+        edge = [(0, height), (depth / 2, height), (depth / 2, height - 0.012)]
+        foot = revolved([(0.05, height - 0.012), (0.03, 0.05), (0.22, 0.02), (0.22, 0)])
+        parts = [Part(revolved(edge, 32), pane), Part(foot, frame)]
+        reach = (0.7 * depth, 0.7 * depth)
+    else:
+        top = [quad((-width / 2, height, -depth / 2), (width, 0, 0), (0, 0, depth))]
+        top += [
+            quad((-width / 2, height - 0.012, s * depth / 2), (width, 0, 0), (0, 0.012, 0))
+            for s in (-1, 1)
+        ]
+        stand = [legs(0.96 * width, 0.94 * depth, height - 0.006, rng.uniform(0.02, 0.06))]
+        if rng.random() < 0.4:
+            stand.append(box((0, 0.4 * height, 0), (0.9 * width, 0.02, 0.86 * depth)))
+        parts = [Part(joined(top), pane), Part(joined(stand), frame)]
+    things = clutter(rng, reach, int(rng.integers(0, 10)), 0.5, ON_TABLES)
+    return parts + placed(things, (0, height, 0))
 
 
 def desk(rng: Generator) -> Parts:
@@ -106,9 +132,13 @@ def _machine(rng: Generator) -> Parts:
     pot = revolved([(0, 0.03), (0.05, 0.03), (0.06, 0.09), (0.035, 0.15)], 18).placed(
         (0, 0, -0.12 * size[2])
     )
+    coffee = revolved([(0, 0.033), (0.048, 0.033), (0.055, 0.08), (0, 0.08)], 18).placed(
+        (0, 0, -0.12 * size[2])
+    )
     return [
         Part(joined([back, head, base]), material(rng, "plastic")),
-        Part(pot, material(rng, "glass")),
+        Part(pot, material(rng, "pane")),
+        Part(coffee, material(rng, "coffee")),
     ]
 
 

@@ -17,7 +17,7 @@ from flexdepth.synth.correspondence import (
     parallax,
 )
 from flexdepth.synth.moments import Play, Sight
-from flexdepth.synth.motion import Motion
+from flexdepth.synth.motion import Footing, Motion
 from flexdepth.synth.placing import Placed, Surroundings, apart, placed
 from flexdepth.synth.render import worth_taking
 from flexdepth.synth.shapes import Array
@@ -47,6 +47,7 @@ class Take:
         width: Pixels.
         height: Pixels.
         motion: What was asked for.
+        footings: What the first frame shows of each mover's feet.
     """
 
     play: Play
@@ -55,6 +56,7 @@ class Take:
     width: int
     height: int
     motion: Motion
+    footings: tuple[Footing, ...]
 
     def camera(self, frame: int) -> Camera:
         """Return the camera of a frame."""
@@ -103,7 +105,8 @@ def composed(
         return None
     aimed = _aimed(path, cast, np.arctan(height / 2 / focal))
     play = Play.of(rng, around.stage, around.still, tuple(one.mover for one in cast))
-    take = _strides(rng, Take(play, aimed, focal, width, height, motion))
+    footings = tuple(one.footing for one in cast)
+    take = _strides(rng, Take(play, aimed, focal, width, height, motion, footings))
     if take is None or not shows_it(take, _COARSE, 0.7) or not _passes(take, around):
         return None
     return take if shows_it(take, width * height, 1.0) else None
@@ -119,7 +122,8 @@ def _path(rng: Generator, around: Surroundings, aspect: float) -> CameraPath:
     scene = around.stage.scene
     start = viewpoint(rng, scene, aspect)
     kind = rng.random()
-    if kind < 0.5:
+    # Robots and cars do not climb.
+    if kind < 0.5 or len(scene.places):
         return hand_held(rng, start)
     if kind < 0.7 or not scene.road:
         return on_robot(rng, start)
@@ -139,8 +143,8 @@ def _placed_cast(
     total = float(np.exp(rng.uniform(np.log(low), np.log(high))))
     parts = total * rng.dirichlet(np.full(len(roles), 6.0)) if roles else ()
     cast: list[Placed] = []
-    for (bends, stands), share in zip(roles, parts, strict=True):
-        one = placed(rng, around, camera, (bends, stands, float(share)), times)
+    for (bends, footing), share in zip(roles, parts, strict=True):
+        one = placed(rng, around, camera, (bends, footing, float(share)), times)
         if one is None or not apart([*cast, one]):
             return None
         cast.append(one)
@@ -148,7 +152,10 @@ def _placed_cast(
 
 
 def _aimed(path: CameraPath, cast: list[Placed], half_angle: float) -> CameraPath:
-    """Return the path with the camera tipped, no more than needed, to see movers and their feet."""
+    """Return the path with the camera tipped, no more than needed, to see movers and their feet.
+
+    Feet that are to be hidden are left below the picture where that hides no others.
+    """
     start = path.start
     if not cast:
         return path
@@ -157,12 +164,13 @@ def _aimed(path: CameraPath, cast: list[Placed], half_angle: float) -> CameraPat
     boxes = np.array([one.boxes[0] for one in cast])
     distance = np.hypot(*(boxes.mean(1) - start.eye)[:, [0, 2]].T)
     low, high = (np.arctan2(boxes[:, k, 1] - start.eye[1], distance) for k in (0, 1))
-    standing = [one.mover.kind.stands for one in cast]
-    lowest = np.where(standing, low - 0.04, (low + high) / 2)
-    tipped = min(
-        max(pitch, float(((low + high) / 2).max()) - 0.9 * half_angle),
-        lowest.min() + 0.92 * half_angle,
+    middle = (low + high) / 2
+    seen, hidden = (
+        [one.footing is each for one in cast] for each in (Footing.SEEN, Footing.HIDDEN)
     )
+    lowest = np.where(seen, low - 0.04, middle)
+    least = np.where(hidden, low + 0.06 + half_angle, middle - 0.9 * half_angle)
+    tipped = min(max(pitch, float(least.max())), lowest.min() + 0.92 * half_angle)
     level = np.cross(forward, (0, 1, 0))
     axis = level / np.linalg.norm(level) * np.clip(tipped - pitch, -path.tips, path.tips)
     rotation = np.asarray(cv2.Rodrigues(axis)[0]) @ start.world_from_camera
@@ -261,7 +269,7 @@ def shows_it(take: Take, pixels: int, tolerance: float) -> bool:
     motion, shown = take.motion, shares(take, 0, pixels)
     low, high = motion.moving[0] * tolerance, motion.moving[1] / tolerance
     least = 0.2 * low / max(len(shown.mover), 1)
-    feet = [mover.kind.stands for mover in take.play.movers]
+    feet = [footing is Footing.SEEN for footing in take.footings]
     within = low <= shown.moving <= high and bool((shown.mover > least).all())
     within &= bool((shown.kept > _KEPT * tolerance).all())
     if not within or list(shown.feet) != feet:

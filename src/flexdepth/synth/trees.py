@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.random import Generator
 
-from flexdepth.synth.furniture import Parts
 from flexdepth.synth.materials import Material, Part, material
+from flexdepth.synth.parts import Parts
 from flexdepth.synth.shapes import (
     Mesh,
     blob,

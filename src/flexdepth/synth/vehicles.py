@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import Generator
 
-from flexdepth.synth.furniture import Parts
+from flexdepth.synth.car_parts import interior, lamps
 from flexdepth.synth.materials import Material, Part, colour, glowing, material
+from flexdepth.synth.parts import Parts
 from flexdepth.synth.shapes import Array, Mesh, box, joined, revolved, rods, surface, tube, wire
 
 _SIDES = (-1, 1)
@@ -127,11 +128,12 @@ def wheels(width: float, axles: tuple[float, ...], radius: float) -> tuple[Mesh,
     return tyres, rims
 
 
-def car(rng: Generator) -> Parts:
-    """A car, a van or a pickup."""
+def car(rng: Generator, lit: bool) -> Parts:
+    """A car, a van or a pickup, with or without its lamps on."""
     shares = np.array([shape.share for shape in _SHAPES])
     shape = _SHAPES[int(rng.choice(len(shares), p=shares / shares.sum()))]
-    paint, glass = _paint(rng), material(rng, "glass")
+    paint = _paint(rng)
+    glass = material(rng, str(rng.choice(["pane", "smoked", "smoked", "glass"])))
     low = 0.28
     hull = _loft(shape.hull, shape.width, low, shape.boxy)
     cabin = _loft(shape.cabin, shape.width, shape.hull[3][2] - 0.08, 0.55)
@@ -144,25 +146,29 @@ def car(rng: Generator) -> Parts:
         solid.append(shell[end:])
     tyres, rims = wheels(shape.width, shape.wheels[:2], shape.wheels[2])
     front, back = shape.hull[1][0], shape.hull[-2][0]
-    lamps = [box((s * 0.66 * shape.width, 0.66, front + 0.03), (0.3, 0.13, 0.16)) for s in (-1, 1)]
+    heads = [box((s * 0.66 * shape.width, 0.66, front + 0.03), (0.3, 0.13, 0.16)) for s in (-1, 1)]
     rear = [box((s * 0.74 * shape.width, 0.78, back), (0.2, 0.2, 0.12)) for s in (-1, 1)]
-    red = Material("plain", np.array([[0.35, 0.01, 0.01]] * 3), (1, 1), gloss=0.05)
     dark = [box((0, 0.4, z), (1.5 * shape.width, 0.2, 0.1)) for z in (front - 0.03, back + 0.03)]
     plates = [box((0, 0.5, z), (0.5, 0.11, 0.02)) for z in (front - 0.09, back + 0.09)]
+    covered = _loft(shape.hull, shape.width, low, shape.boxy, 1.006)[:, 4:11]
+    under = (covered[:, 3, 2] > shape.cabin[0][0]) & (covered[:, 3, 2] < shape.cabin[-1][0])
+    dark.append(surface(covered[under]))
     parts = [
         Part(joined([_capped(hull), *map(surface, solid)]), paint),
         Part(_capped(cabin[begin : end + 1]), glass),
         Part(tyres, material(rng, "tyre")),
         Part(joined([rims, *plates]), material(rng, "metal")),
-        Part(joined(lamps), material(rng, "paint")),
-        Part(joined(rear), red),
         Part(joined(dark), material(rng, "tyre")),
+        *lamps(rng, joined(heads), joined(rear), lit),
     ]
+    if glass.clear:
+        roof = shape.cabin[2][2]
+        parts += interior(rng, shape.width, shape.hull[3][2], (roof, shape.cabin[1][0] + 0.45))
     stretch = rng.uniform((0.95, 0.92, 0.9), (1.06, 1.1, 1.1))
     return [Part(part.mesh.scaled(stretch), part.material) for part in parts]
 
 
-def bus(rng: Generator) -> Parts:
+def bus(rng: Generator, lit: bool) -> Parts:
     """A bus or a tram, with one floor or two."""
     length, width, height = rng.uniform((8, 1.2, 2.8), (14, 1.3, 3.2))
     decks = 2 if rng.random() < 0.2 else 1
@@ -187,10 +193,11 @@ def bus(rng: Generator) -> Parts:
         Part(tyres, material(rng, "tyre")),
         Part(rims, material(rng, "metal")),
         Part(sign, glowing(rng, "print_lines", 1.0)),
+        *_corner_lamps(rng, (0.78 * width, 0.75), (-length / 2, length / 2), lit),
     ]
 
 
-def lorry(rng: Generator) -> Parts:
+def lorry(rng: Generator, lit: bool) -> Parts:
     """A lorry with a closed box, a tank or a tarpaulin."""
     length, width, height = rng.uniform((4, 1.1, 2.2), (10, 1.28, 2.9))
     cab = _capped(_loft(
@@ -214,7 +221,18 @@ def lorry(rng: Generator) -> Parts:
         Part(load, side),
         Part(joined([tyres, frame]), material(rng, "tyre")),
         Part(rims, material(rng, "metal")),
+        *_corner_lamps(rng, (0.75 * width, 0.8), (-1.0, length + 0.9), lit),
     ]
+
+
+def _corner_lamps(
+    rng: Generator, at: tuple[float, float], ends: tuple[float, float], lit: bool
+) -> Parts:
+    """Return a lamp at each lower corner: at so far out and up, at the front and the back."""
+    front, back = (
+        joined([box((s * at[0], at[1], z), (0.26, 0.16, 0.12)) for s in _SIDES]) for z in ends
+    )
+    return lamps(rng, front, back, lit)
 
 
 def bicycle(rng: Generator) -> Parts:
@@ -253,18 +271,18 @@ def bicycle(rng: Generator) -> Parts:
     return [Part(part.mesh.turned(tipped), part.material) for part in parts]
 
 
-_ALL: tuple[tuple[float, Callable[[Generator], Parts]], ...] = (
+_ALL: tuple[tuple[float, Callable[[Generator, bool], Parts]], ...] = (
     (0.88, car),
     (0.06, bus),
     (0.06, lorry),
 )
 
 
-def vehicle(rng: Generator) -> Parts:
-    """A car, van, bus or lorry."""
+def vehicle(rng: Generator, lit: bool = False) -> Parts:
+    """A car, van, bus or lorry, with or without its lamps on."""
     choice, left = _ALL[0][1], rng.random()
     for share, make in _ALL:
         if left < share:
-            return make(rng)
+            return make(rng, lit)
         left -= share
-    return choice(rng)
+    return choice(rng, lit)

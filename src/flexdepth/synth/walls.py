@@ -8,7 +8,7 @@ from numpy.random import Generator
 from flexdepth.synth.materials import Material, Part, fitted, glowing, material, shown
 from flexdepth.synth.parts import Parts, bounds, placed
 from flexdepth.synth.scene import Beam
-from flexdepth.synth.shapes import Array, Mesh, box, curtain, joined, quad, turn
+from flexdepth.synth.shapes import Array, Mesh, box, curtain, joined, quad, tube, turn
 
 _VIEWS = ("landscape", "landscape", "facade", "petals", "photograph")
 
@@ -96,7 +96,7 @@ class Walls:
 
 @dataclass(frozen=True)
 class Gap:
-    """A way through a wall at z = 0: an open door or a wide opening, in metres."""
+    """A way through a wall at z = 0: an open door, or a wide opening that may be glazed, metres."""
 
     left: float
     right: float
@@ -105,7 +105,7 @@ class Gap:
     @classmethod
     def drawn(cls, rng: Generator, across: float, height: float) -> "Gap":
         """Return one that fits."""
-        wide = rng.uniform(0.75, 1.0) if rng.random() < 0.5 else rng.uniform(1.0, 3.0)
+        wide = rng.uniform(0.75, 1.0) if rng.random() < 0.45 else rng.uniform(1.0, 4.0)
         wide = min(wide, across - 0.3)
         left = rng.uniform(-across / 2 + 0.1, across / 2 - wide - 0.1)
         top = height - 0.02 if rng.random() < 0.3 else min(2.1, height - 0.05)
@@ -119,7 +119,7 @@ class Gap:
     def wall(
         self, rng: Generator, look: Material, trim: Material, size: tuple[float, float]
     ) -> Parts:
-        """Return the wall around it, thick as walls are, at times with an open door."""
+        """Return the wall around it, thick as walls are, at times with an open door or glazed."""
         across, height = size
         half, thick = across / 2, 0.12
         spans = [
@@ -139,11 +139,41 @@ class Gap:
         parts = [Part(joined(blocks), look), Part(joined(boards), trim)]
         wide = self.right - self.left
         if wide < 1.05 and rng.random() < 0.5:
-            leaf = box((wide / 2, self.top / 2, 0), (wide, self.top, 0.04))
             hinge = (self.left, 0.0, thick / 2 if rng.random() < 0.5 else 0.0)
             turned = float(rng.uniform(0.6, 2.4)) * (1 if hinge[2] == 0 else -1)
-            parts += placed([Part(leaf, fitted(rng, "cabinet", wide, self.top))], hinge, turned)
+            parts += placed(_leaf(rng, wide, self.top), hinge, turned)
+        elif rng.random() < 0.45:
+            panes = max(1, round(wide / rng.uniform(0.7, 1.4)))
+            glazing = _glazing(rng, (wide, self.top), panes, float(rng.choice([0.02, 0.05, 0.09])))
+            parts += placed(glazing, (self.left, 0.0, thick / 2))
         return parts
+
+
+def _leaf(rng: Generator, wide: float, tall: float) -> Parts:
+    """Return a door from x = 0 on: of one piece, or a frame with a pane or two."""
+    handle = tube((wide - 0.07, 1.0, -0.06), (wide - 0.2, 1.0, -0.06), (0.011, 0.011), 6)
+    knob = Part(joined([handle, handle.scaled((1, 1, -1))]), material(rng, "metal"))
+    if rng.random() < 0.5:
+        board = box((wide / 2, tall / 2, 0), (wide, tall, 0.04))
+        return [Part(board, fitted(rng, "cabinet", wide, tall)), knob]
+    return [*_glazing(rng, (wide, tall), 1, float(rng.uniform(0.06, 0.14))), knob]
+
+
+def _glazing(rng: Generator, size: tuple[float, float], panes: int, bar: float) -> Parts:
+    """Return panes side by side in a frame, from x = 0 on; its foot is at times a solid board."""
+    wide, tall = size
+    foot = bar if rng.random() < 0.6 else float(rng.uniform(0.3, 0.45)) * tall
+    x = np.linspace(bar / 2, wide - bar / 2, panes + 1)
+    frame = [box((at, tall / 2, 0), (bar, tall, 0.04)) for at in x]
+    frame += [
+        box((wide / 2, foot / 2, 0), (wide, foot, 0.036)),
+        box((wide / 2, tall - bar / 2, 0), (wide, bar, 0.04)),
+    ]
+    if rng.random() < 0.3:
+        frame.append(box((wide / 2, (foot + tall) / 2, 0), (wide, bar, 0.03)))
+    pane = quad((0.01, foot, 0), (wide - 0.02, 0, 0), (0, tall - foot - 0.01, 0))
+    look = material(rng, str(rng.choice(["wood", "paint", "metal"])))
+    return [Part(joined(frame), look), Part(pane, material(rng, "pane"))]
 
 
 def _skirting(left: float, right: float) -> Mesh:

@@ -13,6 +13,7 @@ from flexdepth.synth.landscapes import landscape
 from flexdepth.synth.open_places import car_park, park, square
 from flexdepth.synth.rooms import cellar, cookery, corridor, home, office, shop
 from flexdepth.synth.scene import Scene
+from flexdepth.synth.stairwells import stairs
 from flexdepth.synth.streets import street
 
 Make = Callable[[Generator], Scene]
@@ -24,6 +25,7 @@ INDOORS: tuple[tuple[float, Make], ...] = (
     (0.07, shop),
     (0.06, corridor),
     (0.2, cellar),
+    (0.07, stairs),
 )
 """Kinds of scenes under a roof, each with its share; only the shares' ratios count."""
 
