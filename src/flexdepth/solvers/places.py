@@ -1,4 +1,7 @@
-"""How likely each scale of a thing is by its place: on the ground, hanging on, or in the air.
+"""How likely each scale of a thing is by its place.
+
+It stands where its foot is seen, hangs on to what is still, is in the air, or stands with its foot
+out of sight.
 
 References:
     Ranftl, Vineet, Chen and Koltun, CVPR 2016 (ordering, and contact by smoothness).
@@ -36,13 +39,17 @@ _SURE = 0.3
 _VAGUE = 0.15
 """Where the foot is not seen, what is below a thing falls short of a contact, in ln s."""
 
-_OVER, _LOOSE = 0.5, 0.6
+_BELOW, _DEEP = 0.47, 0.4
+"""How much nearer than the ground at its lowest visible part a thing is whose foot is hidden, in
+ln s, and the deviation."""
+
+_OVER, _LOOSE = 0.7, 0.6
 """What is in the air is nearer than what it hides by about this, in ln s, and its deviation."""
 
-_WRONG = 0.2
+_WRONG = 0.12
 """The share of orderings that are: something before the thing was taken for what it hides."""
 
-_SIZE = (0.6, 0.7)
+_SIZE = (0.5, 0.9)
 """The square root of the area that a thing shows, in heights of the camera over the ground: its
 median, and the deviation of its logarithm."""
 
@@ -73,14 +80,15 @@ def places(clues: Clues, habits: Habits) -> tuple[Array, list[Array]]:
         nowhere if contact is None else _touching(grid - contact[0], contact[1]),
         nowhere if attached is None else normal(grid - attached, habits.contact),
     ]
+    hidden = nowhere if clues.foot is None else _hidden(grid - clues.foot)
     if bound is None:
-        return grid, [*standing, normal(grid - clues.typical - _OVER, 1.0)]
+        return grid, [*standing, normal(grid - clues.typical - _OVER, 1.0), hidden]
     if contact is not None:
         bound = max(bound, contact[0])
     over = grid - bound
     before = _WRONG + (1 - _WRONG) / (1 + np.exp(-np.clip(over / 0.05, -50, 50)))
     likely = max(_OVER, clues.typical + _ABOVE - bound)
-    return grid, [*standing, before * normal(over - likely, _LOOSE)]
+    return grid, [*standing, before * normal(over - likely, _LOOSE), hidden]
 
 
 def _bound(border: Border) -> float | None:
@@ -114,6 +122,11 @@ def _contact(border: Border, deviation: float) -> tuple[float, float] | None:
 def _touching(off: Array, deviation: float) -> Array:
     """Return the density of ln s at a contact: one in seven of them errs by three times as much."""
     return 0.85 * normal(off, deviation) + 0.15 * normal(off, 3 * deviation)
+
+
+def _hidden(nearer: Array) -> Array:
+    """Return the density of ln s beyond that of the lowest visible part on the ground."""
+    return np.where(nearer > 0, normal(nearer - _BELOW, _DEEP), 0.0)
 
 
 def _attached(border: Border) -> float | None:

@@ -24,7 +24,7 @@ from flexdepth.solvers.relative_scale import Scale, relative_scale
 from flexdepth.solvers.seen import Seen
 from flexdepth.solvers.sight import Sight
 from flexdepth.solvers.still import looked_again
-from flexdepth.solvers.things import Thing, middle_motion, scaled, things, wobble
+from flexdepth.solvers.things import Thing, middle_motion, own_turn, scaled, things, wobble
 from flexdepth.solvers.two_view import Along, seen_along
 from flexdepth.solvers.world import World, along_of, sight_of
 
@@ -33,6 +33,9 @@ Mask = NDArray[np.bool_]
 
 _BODY = 0.2
 """The least size of a body, in that of its part."""
+
+_FOOT = 0.05
+"""The lowest rows of a thing, as a part of all."""
 
 _TELLS = (Evidence.CONTACT, Evidence.MOTION)
 """What tells enough of a thing's scale that those of its parts may hang on it."""
@@ -212,6 +215,7 @@ def _clues(
     middles = np.array([sight.key[labels == each].mean(axis=0) for each in thing.labels])
     size = float(np.sqrt(inside.sum() / sight.focal.prod()))
     points = sight.key[inside] / own[inside][:, None]
+    turn = own_turn(thing, pose)
     rest = None
     if thing.kind is Kind.RIGID and stage.floor is not None:
         rest = ball_at_rest(points, size, stage.floor)
@@ -219,14 +223,31 @@ def _clues(
         kind=thing.kind,
         border=border(inside, own, still[0]),
         motion=middle_motion(thing, counts, middles, pose),
-        wobble=wobble(thing, sight, labels, pose),
+        turn=turn,
+        wobble=wobble(thing, sight, labels, turn),
         way=pose.rotation.T @ pose.translation,
         floor=stage.floor,
         typical=still[1],
         size=size,
         rest=rest,
+        foot=None if stage.floor is None else _foot(inside, own, sight.key @ stage.floor.plane),
     )
     return _SeenThing(thing, inside, own, clues)
+
+
+def _foot(inside: Mask, own: Array, floor: Array) -> float | None:
+    """Return ln s at which the lowest that is seen of a thing is on the ground.
+
+    Args:
+        inside: Where the thing is.
+        own: Its inverse depth at scale 1.
+        floor: The ground's inverse depth along each ray.
+    """
+    rows = np.flatnonzero(inside.any(axis=1))
+    lowest = inside.copy()
+    lowest[: rows[-1] - round(_FOOT * len(rows))] = False
+    ratio = float(np.median(floor[lowest] / own[lowest]))
+    return float(np.log(ratio)) if ratio > 0 else None
 
 
 def _region(label: int, kind: Kind, scale: Scale, pixels: int) -> Region:

@@ -32,6 +32,10 @@ _CLEAR = 2.0
 _GOES_ON = 0.5
 """The share of the border of two moving pieces across which flow goes on, if they are one."""
 
+_ALONE, _FEWEST = 3.0, 4.0
+"""How much longer the border is across which flow goes on from moving pieces than from still ones,
+and pixels of it, for a piece to be one with those."""
+
 _MOST = 24
 """Moving regions are at most so many: the largest."""
 
@@ -73,7 +77,7 @@ def moving_regions(
     surprise = np.where(share > _BEHIND, 2 * _STRONG, middle / strays)
     surprise[pixels < 3] = 0.0
     pairs = neighbours(labels, flow, max(0.7, 3 * float(np.median(noise[trusted]))))
-    moves = _grown(surprise, pairs)
+    moves = _closed(_grown(surprise, pairs), pairs)
     area = np.bincount(labels.ravel(), minlength=count).astype(np.float64)
     return Moving(_objects(labels, moves, pairs, area), strays)
 
@@ -107,6 +111,25 @@ def _grown(surprise: Array, pairs: Neighbours) -> Mask:
         if (grown == moves).all():
             break
         moves = grown
+    return moves
+
+
+def _closed(moves: Mask, pairs: Neighbours) -> Mask:
+    """Return the pieces that move, with those into which flow goes on from them alone.
+
+    Somewhere on a thing that turns its flow may cross the camera's epipolar lines by nothing: a
+    strip of it seems still, but the world around does not go on from there.
+    """
+    for _ in range(len(moves)):
+        beside = [np.zeros(len(moves)), np.zeros(len(moves))]
+        for one, other in ((pairs.first, pairs.second), (pairs.second, pairs.first)):
+            for kind in (0, 1):
+                at = moves[other] == bool(kind)
+                beside[kind] += np.bincount(one[at], pairs.joined[at], minlength=len(moves))
+        closed = moves | (beside[1] > _ALONE * beside[0] + _FEWEST)
+        if (closed == moves).all():
+            break
+        moves = closed
     return moves
 
 

@@ -78,7 +78,7 @@ def relative_scale(clues: Clues, vague: float = 0.7) -> Scale:
     by_motion, size = motions(clues, habits, grid), as_large(clues, grid)
     parts = {
         (place, motion): habits.joint[place][motion] * by_place[place] * by_motion[motion] * size
-        for place, motion in product(range(3), range(3))
+        for place, motion in product(range(4), range(3))
     }
     parts[_PART] = habits.part * as_a_part(clues, grid) * by_motion[2]
     density = np.sum(list(parts.values()), axis=0)

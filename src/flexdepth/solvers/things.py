@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdepth.solvers.answer import Kind
+from flexdepth.solvers.borders import goes_on
 from flexdepth.solvers.pieces import Labels
 from flexdepth.solvers.pose import Pose, angle
 from flexdepth.solvers.region_motion import (
@@ -72,7 +73,7 @@ def things(
     labels = np.where(np.isin(labels, list(motions)), labels, 0).astype(np.int32)
     labels, motions = split(labels, motions, cut, sight, (camera, floor))
     labels, motions = _renumbered(*_same_motion(labels, motions, sight, (camera, floor)))
-    groups = _touching(labels, motions)
+    groups = _touching(labels, motions, sight.flow)
     found = []
     for group in groups:
         members = [(each, motions[each]) for each in group]
@@ -131,8 +132,11 @@ def _renumbered(
     return number[labels], {int(number[each]): motions[each] for each in sorted(motions)}
 
 
-def _touching(labels: Labels, motions: dict[int, RegionMotion]) -> list[list[int]]:
-    """Return groups of labels: bending regions that touch, and small rigid ones beside them."""
+def _touching(labels: Labels, motions: dict[int, RegionMotion], flow: Array) -> list[list[int]]:
+    """Return groups of labels: bending regions that touch, and small rigid parts of them.
+
+    A car that passes behind a person touches the person in the picture, but no motion goes on.
+    """
     size = np.bincount(labels.ravel(), minlength=max(motions, default=0) + 1)
     group = {label: {label} for label in motions}
     kernel = np.ones((5, 5), np.uint8)
@@ -145,7 +149,9 @@ def _touching(labels: Labels, motions: dict[int, RegionMotion]) -> list[list[int
             if other in (0, label) or other not in motions:
                 continue
             small = size[other] < _PART * size[label]
-            if motions[other].kind is Kind.FLEXIBLE or small:
+            if motions[other].kind is Kind.FLEXIBLE or (
+                small and goes_on(labels == label, labels == other, flow)
+            ):
                 both = group[label] | group[other]
                 for each in both:
                     group[each] = both
@@ -174,11 +180,17 @@ def middle_motion(thing: Thing, counts: Array, rays: Array, camera: Pose) -> Arr
     return np.asarray(np.average(moved, axis=0, weights=counts))
 
 
-def wobble(thing: Thing, sight: Sight, labels: Labels, camera: Pose) -> float:
-    """Return how far `middle_motion` is uncertain: what turns does so about an unseen middle."""
+def own_turn(thing: Thing, camera: Pose) -> float:
+    """Return how far a rigid thing turns by itself, radians; 0 for what bends."""
     if thing.kind is not Kind.RIGID:
         return 0.0
-    turn = angle(thing.motions[0].pose.rotation @ camera.rotation.T)
+    return angle(thing.motions[0].pose.rotation @ camera.rotation.T)
+
+
+def wobble(thing: Thing, sight: Sight, labels: Labels, turn: float) -> float:
+    """Return how far `middle_motion` is uncertain: what turns does so about an unseen middle."""
+    if turn == 0:
+        return 0.0
     return _UNSEEN * turn * sight.pixels(labels == thing.labels[0]).width()
 
 
