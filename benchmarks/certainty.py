@@ -21,7 +21,6 @@ exits with 1 where one is missed.
 
 import argparse
 import json
-import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -33,7 +32,7 @@ import matplotlib as mpl
 import numpy as np
 from bars import Bar, Limit
 from numpy.typing import NDArray
-from samples import RENDERED, SETS, Readable, SampleSet, scored_pixels
+from samples import RENDERED, SETS, Readable, SampleSet, scored_pixels, usual_folder
 
 import flexdepth
 from flexdepth.evaluation.alignment import Alignment, aligned
@@ -42,7 +41,6 @@ from flexdepth.runtime.depthmap import DepthMap, Intrinsics
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.images import Photo
 
-BESIDE_THE_REPOSITORY = Path(__file__).parents[2] / "shared" / "data"
 DROPPED = 0.2
 LOWER_BY = 0.15
 """The part by which AbsRel has to be lower without the least sure."""
@@ -193,10 +191,9 @@ def held(samples: Path) -> Iterator[tuple[SampleSet, Sequence[Readable]]]:
 def main() -> int:
     """Measure, print, return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    beside = os.environ.get("FLEXDEPTH_SAMPLES") or BESIDE_THE_REPOSITORY
     parser.add_argument("--model", default="compact", metavar="BUNDLE")
     parser.add_argument("--held-out", type=Path, default=Path("renders/heldout"))
-    parser.add_argument("--samples", type=Path, default=Path(beside))
+    parser.add_argument("--samples", type=Path, default=usual_folder())
     parser.add_argument("--picture", type=Path, metavar="PNG", help="the reliability, drawn")
     parser.add_argument("--strict", action="store_true", help="exit with 1 where a bar is missed")
     options = parser.parse_args()

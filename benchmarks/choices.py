@@ -138,6 +138,9 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=2, help="that make batches")
     parser.add_argument("-o", "--output-dir", type=Path)
     options = parser.parse_args()
+    written = options.output_dir if options.weights is None else None
+    if options.held_out is None and options.samples is None and written is None:
+        parser.error("nothing to judge by: name --held-out DIR, --samples DIR or both")
     place = Place(device="cuda" if torch.cuda.is_available() else "cpu")
     held_out = Folder(options.held_out).load() if options.held_out else None
     judges = Judges(held_out, options.samples)

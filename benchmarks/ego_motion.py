@@ -14,7 +14,6 @@ more than the customary way has. With --strict it exits with 1 where one is miss
 
 import argparse
 import json
-import os
 import sys
 import time
 from collections.abc import Callable, Mapping
@@ -23,7 +22,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from samples import opencv_camera, present
+from samples import opencv_camera, present, usual_folder
 from verdict import verdict
 
 from flexdepth.data.text_files import parsed
@@ -35,7 +34,6 @@ from flexdepth.solvers.correspondences import Correspondences, from_flow
 from flexdepth.solvers.ego_motion import camera_motion
 from flexdepth.solvers.pose import Pose, angle
 
-BESIDE_THE_REPOSITORY = Path(__file__).parents[2] / "shared" / "data"
 DRIVE = "driving_kitti_odometry_gray51"
 BAR = {"rotation": 0.1, "direction": 1.0}
 """Degrees, of the medians."""
@@ -146,8 +144,7 @@ def text(found: Mapping[str, Mapping[str, float]]) -> str:
 def main() -> int:
     """Measure and print; 1 where --strict and a bar is missed."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    beside = os.environ.get("FLEXDEPTH_SAMPLES") or BESIDE_THE_REPOSITORY
-    parser.add_argument("--samples", type=Path, default=Path(beside))
+    parser.add_argument("--samples", type=Path, default=usual_folder())
     parser.add_argument("--pairs", type=int, default=50)
     parser.add_argument("--most", type=int, default=5_000)
     parser.add_argument("--json", action="store_true", help="print JSON instead of the table")

@@ -17,7 +17,6 @@ is 1. docs/samples.md says where the pictures come from.
 
 import argparse
 import json
-import os
 import sys
 import time
 from collections.abc import Iterator, Sequence
@@ -29,7 +28,7 @@ from bars import asked, beside_the_blind
 from boundaries import boundaries
 from numpy.typing import NDArray
 from PIL import Image
-from samples import RENDERED, SETS, Readable, SampleSet, scored_pixels
+from samples import RENDERED, SETS, Readable, SampleSet, scored_pixels, usual_folder
 from scores import Fit, Predict, Result, Seen, fitted, looked_at, score_set
 from tables import markdown, text, verdicts
 
@@ -38,7 +37,6 @@ from flexdepth.runtime.depthmap import DepthMap, Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.picture import limits, panels, preview
 
-BESIDE_THE_REPOSITORY = Path(__file__).parents[2] / "shared" / "data"
 BUNDLED = "compact"
 
 
@@ -86,7 +84,7 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    samples = Path(os.environ.get("FLEXDEPTH_SAMPLES") or BESIDE_THE_REPOSITORY)
+    samples = usual_folder()
     parser.add_argument("--samples", type=Path, default=samples, help=f"default: {samples}")
     parser.add_argument(
         "--model",

@@ -1,5 +1,6 @@
 """The real pictures with measured depth that the benchmark scores; see docs/samples.md."""
 
+import os
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -270,6 +271,12 @@ SETS = (
     ),
     SampleSet("Motorcycle", INDOORS, _motorcycle),
 )
+
+
+def usual_folder() -> Path:
+    """Return where samples lie unless told: $FLEXDEPTH_SAMPLES, else beside the repository."""
+    beside = Path(__file__).parents[2] / "shared" / "data"
+    return Path(os.environ.get("FLEXDEPTH_SAMPLES") or beside)
 
 
 def present(path: Path) -> Path:

@@ -17,7 +17,6 @@ plane from the true one, in percent of depth; the mean over images. *Sharp* is b
 
 import argparse
 import json
-import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -26,15 +25,14 @@ from pathlib import Path
 import numpy as np
 from changes import CHANGES, Pixels, Reals, at_first
 from flatness import Flatness, flatness, mean_over_images
-from samples import RENDERED, scored_pixels
+from samples import RENDERED, scored_pixels, usual_folder
 from scores import Predict
 
 import flexdepth
 from flexdepth.runtime.errors import InputError
-from flexdepth.runtime.images import Photo, is_picture_name, read_photo
+from flexdepth.runtime.images import Photo, photos_in, read_photo
 from flexdepth.runtime.sizes import resized
 
-BESIDE_THE_REPOSITORY = Path(__file__).parents[2] / "shared" / "data"
 LONG_SIDE = 640
 EVERY = 6
 """Of rendered images, every so manyth is shown again."""
@@ -108,10 +106,7 @@ def photos(folder: Path) -> Iterator[tuple[str, Pixels]]:
     Raises:
         InputError: There is none.
     """
-    paths = sorted(path for path in folder.iterdir() if is_picture_name(path))
-    if not paths:
-        raise InputError(f"{folder}: holds no picture")
-    for path in paths:
+    for path in photos_in(folder, "*"):
         yield path.stem, read_photo(path).pixels
 
 
@@ -163,8 +158,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    beside = Path(os.environ.get("FLEXDEPTH_SAMPLES") or BESIDE_THE_REPOSITORY)
-    parser.add_argument("--photos", type=Path, default=beside / "wild_depth_anything_v2")
+    photographs = usual_folder() / "wild_depth_anything_v2"
+    parser.add_argument("--photos", type=Path, default=photographs)
     parser.add_argument("--rendered", type=Path, default=Path("renders/sharp"), metavar="DIR")
     parser.add_argument("--model", default="compact", metavar="NAME")
     parser.add_argument("--json", action="store_true", help="print JSON instead of tables")

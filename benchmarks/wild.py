@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 import flexdepth
-from flexdepth.runtime.images import is_picture_name, read_photo
+from flexdepth.runtime.errors import InputError
+from flexdepth.runtime.images import photos_in, read_photo
 from flexdepth.runtime.picture import panels, preview
 
 COLUMNS, WIDTH, HEIGHT = 4, 320, 240
@@ -39,15 +40,13 @@ def main() -> None:
     asked = parser.parse_args()
     predictor = flexdepth.load(asked.model)
     shown, names = [], []
-    for path in sorted(p for p in asked.photos.iterdir() if is_picture_name(p)):
+    for path in photos_in(asked.photos, "*"):
         photo = read_photo(path)
         if asked.with_photos:
             shown.append(framed(photo.pixels))
             names.append(path.stem)
         shown.append(framed(preview(predictor.predict(photo))))
         names.append(path.stem)
-    if not shown:
-        raise SystemExit(f"error: {asked.photos}: holds no picture")
     blank = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
     while len(shown) % COLUMNS:
         shown.append(blank)
@@ -58,4 +57,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except InputError as error:
+        raise SystemExit(f"error: {error}") from error

@@ -12,7 +12,6 @@ docs/samples.md says where the pictures come from.
 
 import argparse
 import json
-import os
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -28,7 +27,7 @@ from pairs import HERE
 
 sys.path.insert(0, str(HERE.parent))
 
-from samples import present
+from samples import present, usual_folder
 from verdict import verdict
 
 from flexdepth.flow.along_lines import AlongLines
@@ -37,7 +36,6 @@ from flexdepth.runtime.depthmap import FocalSource, Intrinsics
 from flexdepth.solvers.seen import Seen
 from flexdepth.solvers.two_frame import Dense, TwoFrame, TwoFrameSettings, two_frame
 
-BESIDE_THE_REPOSITORY = HERE.parents[2] / "shared" / "data"
 LEAST, MOST = 0.6, 0.05
 Mask = NDArray[np.bool_]
 Image = NDArray[np.uint8]
@@ -168,8 +166,7 @@ def text(found: Mapping[str, Marked]) -> str:
 def main() -> int:
     """Measure and print; 1 where --strict and a bar is missed."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    beside = os.environ.get("FLEXDEPTH_SAMPLES") or BESIDE_THE_REPOSITORY
-    parser.add_argument("--samples", type=Path, default=Path(beside))
+    parser.add_argument("--samples", type=Path, default=usual_folder())
     parser.add_argument("--dense", action="store_true", help="refine every pixel, too")
     parser.add_argument("--share", type=float, default=1.0, help="of the frames' sides")
     parser.add_argument("--pictures", type=Path, help="a folder for what was found")

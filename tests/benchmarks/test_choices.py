@@ -140,6 +140,16 @@ def test_weights_that_are_missing_or_of_another_variant_are_refused(room, tmp_pa
         choices.kept("compact", tmp_path)
 
 
+@pytest.mark.parametrize("given", [("--data",), ("--weights",), ("--weights", "-o")])
+def test_who_names_nothing_to_judge_by_is_told_so(room, tmp_path, monkeypatch, capsys, given):
+    words = [word for flag in given for word in (flag, str(tmp_path))]
+    monkeypatch.setattr("sys.argv", ["choices.py", *words])
+    with pytest.raises(SystemExit) as left:
+        room("choices").main()
+    assert left.value.code == 2
+    assert "nothing to judge by" in capsys.readouterr().err
+
+
 def test_kept_weights_are_judged_without_training(room, tmp_path, monkeypatch, capsys):
     choices = room("choices")
     written(room, tmp_path, "compact")

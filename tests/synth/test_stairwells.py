@@ -122,6 +122,14 @@ def test_a_landing_is_open_where_neither_a_wall_nor_a_flight_is():
     np.testing.assert_allclose(line, [[-0.2, 0.6, 0.03], [1.0, 0.6, 0.03]], atol=1e-9)
 
 
+def test_what_joins_the_same_line_beyond_an_edge_does_not_lengthen_it():
+    # Both are on z = 0, a metre apart.
+    floors = (Landing((-2.0, 0.0), (-1.0, 1.0), 0.6), Landing((0.0, 0.0), (1.0, 1.0), 0.6))
+    lines = open_edges(Plan((9.0, 9.0, 3.0), (), floors, ()))
+    near = [line[:, 0].tolist() for line in lines if (line[:, 2] == 0.03).all()]
+    assert near == [[-2, -1], [0, 1]]
+
+
 def test_strips_of_a_wall_cover_it_and_know_the_floors_at_it():
     plan = dog_leg(np.random.default_rng(1), ASKED)
     length = plan.size[1]
@@ -184,7 +192,6 @@ def test_whoever_holds_a_camera_stands_on_something_and_in_nothing(kind, cast_in
         assert 1.7 < height.max() < 2.05
 
 
-@pytest.mark.parametrize("make", PLANS)
 def walked(distances, feet, rng, steps):
     """Return the deepest fall of people who walk about and stop before what is at their knees."""
     deepest = 0.0

@@ -13,6 +13,9 @@ from flexdepth.synth.parts import Parts, chosen
 from flexdepth.synth.people import Person, Pose
 from flexdepth.synth.seating import chair, office_chair, slatted
 
+_SEAT = 0.06
+"""Height of the hips above what one sits on, a share of the body's height."""
+
 
 def bystander(rng: Generator) -> Parts:
     """Somebody who walks or stands, turned towards z."""
@@ -55,10 +58,6 @@ def bird(rng: Generator) -> Parts:
     """A bird in the air."""
     course = _course(1.0)
     return _caught(rng, Bird.drawn(rng, course), course)
-
-
-_SEAT = 0.06
-"""Height of the hips above what one sits on, a share of the body's height."""
 
 
 def _course(speed: float) -> Course:

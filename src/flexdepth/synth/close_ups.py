@@ -9,10 +9,11 @@ from numpy.random import Generator
 
 from flexdepth.synth.bystanders import bystander, pet
 from flexdepth.synth.field_things import rock
+from flexdepth.synth.fixtures import ball
 from flexdepth.synth.flowers import bed, daisy, grass, herb, sunflower
-from flexdepth.synth.furniture import Parts, ball, placed
 from flexdepth.synth.landscapes import landscape
 from flexdepth.synth.materials import Part, material
+from flexdepth.synth.parts import Parts, placed
 from flexdepth.synth.scene import Aim, Carrier, Scene
 from flexdepth.synth.shapes import Array, box, joined, rods, tube, wire
 from flexdepth.synth.streets import street

@@ -12,7 +12,6 @@ from flexdepth.synth.shapes import Array, Mesh, box, joined, quad, surface, turn
 WAIST = 0.16
 """Thickness of landings, and of flights below the inner corners of their steps, metres."""
 
-
 _INTO = 3e-3
 """Metres by which parts reach into what they meet: a ray could slip through where edges touch."""
 

@@ -6,8 +6,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.random import Generator
 
-from flexdepth.synth.furniture import Parts, placed
 from flexdepth.synth.materials import Material, Part, material
+from flexdepth.synth.parts import Parts, placed
 from flexdepth.synth.shapes import Array, Mesh, blob, joined, surface, tilt, wire
 
 

@@ -17,7 +17,7 @@ from flexdepth.synth.fixtures import (
     toy_house,
     washing,
 )
-from flexdepth.synth.parts import Maker, Parts, placed
+from flexdepth.synth.parts import Maker
 from flexdepth.synth.seating import bed, chair, office_chair, slatted, sofa, stool
 from flexdepth.synth.storage import boards, cabinet, crates, goods, heap, rack, shelf, stack
 from flexdepth.synth.tables import desk, kitchen, table
@@ -62,41 +62,3 @@ IN_SHOPS: tuple[Maker, ...] = (
     goods, goods, goods, table, stack, crates, bystander, bystander, bag, plant, rack, washing,
 )  # fmt: skip
 """What stands anywhere in shops."""
-
-__all__ = [
-    "AGAINST_WALLS",
-    "FREE_STANDING",
-    "IN_OFFICES",
-    "IN_SHOPS",
-    "KITCHENS",
-    "OFFICES",
-    "SHOPS",
-    "STORED",
-    "Parts",
-    "bag",
-    "ball",
-    "bicycle",
-    "board",
-    "boards",
-    "cabinet",
-    "chair",
-    "coats",
-    "desk",
-    "goods",
-    "kitchen",
-    "lamp",
-    "mirror",
-    "office_chair",
-    "placed",
-    "plant",
-    "rack",
-    "radiator",
-    "shelf",
-    "slatted",
-    "sofa",
-    "stack",
-    "stool",
-    "table",
-    "television",
-    "toy_house",
-]  # fmt: skip

@@ -105,7 +105,8 @@ def _left_over(
     """Return what is left of a span, without scraps."""
     left, start = [], span[0]
     for low, high in sorted(taken):
-        if low - start > 0.1:
-            left.append((start, low))
+        end = min(low, span[1])
+        if end - start > 0.1:
+            left.append((start, end))
         start = max(start, high)
     return [*left, (start, span[1])] if span[1] - start > 0.1 else left

@@ -9,9 +9,9 @@ from numpy.random import Generator
 from flexdepth.synth.bystanders import animal, bird, bystander
 from flexdepth.synth.field_things import bale, barn, log, rock
 from flexdepth.synth.flowers import bed, daisy, grass, herb
-from flexdepth.synth.furniture import Parts, placed
 from flexdepth.synth.materials import Part, material
 from flexdepth.synth.outdoor_things import fence, pole
+from flexdepth.synth.parts import Parts, placed
 from flexdepth.synth.scene import Scene
 from flexdepth.synth.shapes import Array, Mesh, draped, quad
 from flexdepth.synth.skies import Weather, weather

@@ -30,7 +30,7 @@ class Railing:
         gap: Metres from one baluster to the next, or from one bar to the next.
         thick: Of a baluster, a bar, a sheet or a wall.
         post: Side of the posts at the ends, or 0.
-        wood: Material of rail and posts.
+        frame: Material of rail and posts.
         filling: Of what is below.
     """
 
@@ -40,7 +40,7 @@ class Railing:
     gap: float
     thick: float
     post: float
-    wood: Material
+    frame: Material
     filling: Material
 
     def along(self, line: Array) -> Parts:
@@ -49,10 +49,10 @@ class Railing:
         raised = line + np.array([0, self.tall - high / 2, 0])
         rails = [bar(a, b, wide, high) for a, b in pairwise(raised)]
         fills = [self.fill(self, a, b) for a, b in pairwise(line)]
-        parts = [Part(joined(rails), self.wood), Part(joined(fills), self.filling)]
+        parts = [Part(joined(rails), self.frame), Part(joined(fills), self.filling)]
         if self.post:
             posts = [self._post(end) for end in (line[0], line[-1])]
-            parts.append(Part(joined(posts), self.wood))
+            parts.append(Part(joined(posts), self.frame))
         return parts
 
     def _post(self, foot: Array) -> Mesh:
@@ -66,7 +66,7 @@ class Railing:
         """Return the handrail alone, which stands on the wall."""
         wide, high = self.rail
         raised = line + np.array([0, self.tall - high / 2, 0])
-        return [Part(joined([bar(a, b, wide, high) for a, b in pairwise(raised)]), self.wood)]
+        return [Part(joined([bar(a, b, wide, high) for a, b in pairwise(raised)]), self.frame)]
 
 
 def balusters(railing: Railing, start: Array, end: Array) -> Mesh:
@@ -136,10 +136,10 @@ _FILLS: dict[Fill, tuple[tuple[float, float], tuple[float, float], tuple[str, ..
 def railing(rng: Generator, fill: Fill) -> Railing:
     """Return random railings with a kind of filling."""
     steel = fill is bars or rng.random() < 0.35
-    wood = material(rng, "metal" if steel else str(rng.choice(["wood", "wood", "paint"])))
+    frame = material(rng, "metal" if steel else str(rng.choice(["wood", "wood", "paint"])))
     least, most, kinds = _FILLS[fill]
     thick, gap = rng.uniform(least, most)
-    filling = wood if fill is bars else material(rng, str(rng.choice(kinds)))
+    filling = frame if fill is bars else material(rng, str(rng.choice(kinds)))
     wide = thick + 0.02 if fill is parapet else rng.uniform(0.035, 0.07)
     posted = fill is not parapet and rng.random() < 0.75
     return Railing(
@@ -149,6 +149,6 @@ def railing(rng: Generator, fill: Fill) -> Railing:
         gap=float(gap),
         thick=float(thick),
         post=float(rng.uniform(0.05, 0.11)) if posted else 0.0,
-        wood=wood,
+        frame=frame,
         filling=filling,
     )

@@ -130,7 +130,7 @@ class Scene:
         clouds: Share of the sky that is clouded.
         eyes: Region where cameras are, low corner and high corner, metres; who holds them says
             how high.
-        outdoors: Whether cameras look as cars and walkers do, along z, or around a room.
+        outdoors: Whether it is under the sky.
         beams: Sunlight through windows.
         subjects: Regions worth a look from near, low corner and high corner, metres.
         road: Half the width of a road on y = 0 along z, in the middle; 0 where there is none.

@@ -66,9 +66,9 @@ def _covered(rng: Generator, size: tuple[float, float], shine: bool) -> Material
     """Return what a window looks like that shows no room."""
     if shine:
         return glowing(rng, "collage", rng.uniform(0.6, 3))
-    return fitted(rng, "poster", size[0] / 2, size[1]) if rng.random() < 0.5 else material(
-        rng, "glass"
-    )  # fmt: skip
+    if rng.random() < 0.5:
+        return fitted(rng, "poster", size[0] / 2, size[1])
+    return material(rng, "glass")
 
 
 def _lit(look: Material, light: float) -> Material:

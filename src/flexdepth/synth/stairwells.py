@@ -42,7 +42,7 @@ MakeBuild = Callable[[Generator, str], Build]
 
 @dataclass(frozen=True)
 class Kind:
-    """What makes stairs those of a home or a cellar.
+    """What makes stairs those of a home, a public building or a cellar.
 
     Attributes:
         share: How often they are drawn.

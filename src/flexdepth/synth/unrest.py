@@ -103,7 +103,7 @@ class Unrest:
 def unsteady(rng: Generator, scene: Scene, view: Viewpoint, seen: Rendering) -> Light:
     """Return the light of a still; in a share `MOVED` of them the camera moves.
 
-    It is open for longer where there is less light.
+    The shutter is open for longer where there is less light.
     """
     if rng.random() >= MOVED:
         return seen.light

@@ -11,7 +11,7 @@ from flexdepth.synth.scene import Aim, Carrier, Scene
 Array = NDArray[np.float64]
 
 _STOREY = 2.6
-"""Metres by which what is looked at is higher or lower, on stairs."""
+"""Metres by which what is looked at is higher or lower at most, on stairs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +142,7 @@ def _floor(rng: Generator, scene: Scene, aim: Aim) -> Array:
 
 
 def _near(rng: Generator, scene: Scene, carrier: Carrier) -> tuple[Array, Array]:
-    """Return an eye 0.3 to 1.5 m from a point of a thing, mostly from above, and the way there."""
+    """Return an eye 0.35 to 1.5 m from a point of a thing, mostly from above, and the way there."""
     low, high = scene.subjects[int(rng.integers(len(scene.subjects)))]
     point = rng.uniform(low, high)
     point[1] = high[1] if rng.random() < 0.6 else point[1]
