@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from flexdepth.solvers.borders import goes_on
+from flexdepth.solvers.ordering import Still, with_sunk
 from flexdepth.solvers.regions import moving_regions
+from flexdepth.solvers.sight import Sight
 from flexdepth.solvers.two_view import Along
 
 HEIGHT, WIDTH = 48, 64
@@ -65,3 +67,24 @@ def test_motion_does_not_go_on_between_regions_that_do_not_touch():
     first, second = np.zeros((2, 30, 40), bool)
     first[5:25, 10:18], second[5:25, 22:30] = True, True
     assert not goes_on(first, second, np.zeros((30, 40, 2)))
+
+
+@pytest.mark.parametrize(("nearness", "still"), [(0.3, False), (1.0, True)])
+def test_a_strip_that_would_be_still_behind_the_ground_is_of_the_thing(nearness, still):
+    """The camera is 1 above a floor; the strip's inverse depth is a part of the floor's."""
+    row, column = np.mgrid[:HEIGHT, :WIDTH] + 0.5
+    key = np.stack([(column - WIDTH / 2) / 60, (row - 8) / 60, np.ones_like(row)], -1)
+    inverse = np.maximum(key[..., 1], 0.01)
+    cut = np.zeros((HEIGHT, WIDTH), np.int32)
+    cut[14:42, 20:44] = 1
+    cut[MIDDLE] = 2
+    labels = (cut == 1).astype(np.int32)
+    inverse[MIDDLE] *= nearness
+    flow = np.zeros((HEIGHT, WIDTH, 2))
+    flow[14:42, 20:44] = 6.0
+    ones, all_of_it = np.ones((HEIGHT, WIDTH)), np.ones((HEIGHT, WIDTH), bool)
+    along = Along(9 * ones, 0 * ones, inverse, ones)
+    sight = Sight(key, key, flow, 0.05 * ones, all_of_it, np.array([60.0, 60.0]))
+    found = with_sunk(Still(cut, labels, along), sight)
+    assert (found[MIDDLE] == (0 if still else 1)).all()
+    assert (found[cut != 2] == labels[cut != 2]).all()

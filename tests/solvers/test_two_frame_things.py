@@ -104,6 +104,17 @@ def test_what_moves_level_tells_its_scale_to_a_camera_that_rises_though_its_foot
     assert found.regions[1].confidence > 0.5
 
 
+def test_what_hides_its_foot_below_the_picture_is_nearer_than_the_ground_at_its_edge():
+    # It moves level, as the camera does, so that every scale is level. Its foot is 1.4 below the
+    # camera at 2.5; where the picture ends the floor is 3.3 to 3.8 off.
+    seen = view(TURN, np.array([-0.25, 0.0, -0.12]), Box(z=2.5, width=1.0, height=1.6), (0.2, 0, 0))
+    found = two_frame(seen.seen(), REGIONS)
+    assert found.regions[1].evidence is not Evidence.CONTACT
+    assert found.regions[1].confidence < 0.5
+    said = found.depth * np.median((seen.depth / found.depth)[~seen.mover & ~seen.hidden])
+    assert 1.6 < np.median(said[seen.mover & ~seen.hidden]) < 3.4
+
+
 def test_a_car_that_keeps_to_the_epipolar_lines_is_caught_by_the_ground_it_has_sunk_into():
     # It goes three quarters of the camera's way, so that it seems to be at 16 instead of 4.
     seen = view(np.eye(3), np.array([-0.4, 0, -0.4]), Box(x=0.2), (0.3, 0, 0.3))

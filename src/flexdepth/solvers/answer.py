@@ -19,7 +19,7 @@ class Evidence(StrEnum):
     CONTACT = "contact"
     """It stands on the static world where its foot is seen."""
     ORDERING = "ordering"
-    """It is before all that it hides; it may be nearer still."""
+    """It is before what it hides and the ground at its lowest part; it may be nearer still."""
     MOTION = "motion"
     """Only at this scale it stays where it is, or moves level over the ground."""
     STEREO = "stereo"

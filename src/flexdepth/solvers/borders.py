@@ -125,8 +125,13 @@ def nearness_beside(inside: Mask, own: Array, others: Array, around: Surrounding
 
 def goes_on(first: Mask, second: Mask, flow: Array) -> bool:
     """Return whether motion goes on from one region to another, as it does within a body."""
-    jumps = _jumps(*_pairs(first, second), flow)
-    return len(jumps) > 0 and bool((jumps < _SAME_PART * _unit(first.size)).mean() >= _JOINED)
+    same = goes_on_between(first, second, flow)
+    return len(same) > 0 and bool(same.mean() >= _JOINED)
+
+
+def goes_on_between(first: Mask, second: Mask, flow: Array) -> Mask:
+    """Return of each pair of pixels, up to two apart, whether motion goes on between them."""
+    return _jumps(*_pairs(first, second), flow) < _SAME_PART * _unit(first.size)
 
 
 Places = tuple[NDArray[np.intp], NDArray[np.intp]]

@@ -51,10 +51,10 @@ class Habits:
     """What is known beforehand of rigid, or of bending things.
 
     Attributes:
-        joint: Probability of standing, of hanging on to what is still, of being in the air, and of
-            standing with the foot out of sight; each with that of staying, of moving level, and of
-            moving anyhow.
-        part: Probability, against these, of being a part of what moves and is touched.
+        joint: Weight of standing, of hanging on to what is still, of being in the air, and of
+            standing with the foot out of sight; of each with staying, moving level, and moving
+            anyhow. They sum to about 1.
+        part: Weight, against these, of being a part of what moves and is touched.
         contact: Standard deviation of ln s at a contact.
         stay: Scale of how far from its place a thing strays that stays, in ways of the camera.
         level: Standard deviation of the rise of what moves level, likewise, and per its own way.

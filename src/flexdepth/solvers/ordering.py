@@ -2,15 +2,17 @@
 
 A car that drives as the camera does leaves no trace across the lines. Taken to be still, it is
 farther than the road on which it stands, and than things that it hides: it has sunk into them.
-(What seems too near is let be: it may hang, as a lamp does or the crown of a tree.)
+(What seems too near is let be: it may hang, as a lamp does or the crown of a tree.) So does a strip
+of something that turns, where its flow happens to cross the lines by nothing.
 """
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdepth.solvers.borders import Border, border, surroundings
+from flexdepth.solvers.borders import Border, border, goes_on_between, surroundings
 from flexdepth.solvers.ground import ground
 from flexdepth.solvers.pieces import Labels
 from flexdepth.solvers.regions import connected
@@ -18,9 +20,13 @@ from flexdepth.solvers.sight import Sight
 from flexdepth.solvers.two_view import Along
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 _SUNK = 1.25
 """How many times nearer the ground at a thing's foot is than the thing, for it to have sunk."""
+
+_BURIED = 0.7
+"""The share of a piece that the ground would hide, were it still, for it to be none that is."""
 
 _LARGEST = 0.25
 """The share of the frame up to which a region is a thing."""
@@ -67,10 +73,41 @@ def with_sunk(still: Still, sight: Sight) -> Labels:
         around = surroundings(inverse, known & ~inside, sight.flow, sight.trusted)
         if _sunk(border(inside, inverse, around), inverse, sight.key @ floor.plane):
             labels[(surfaces == surface) & (labels == 0)] = labels.max() + 1
-    return labels
+    return _with_buried(labels, still, sight, sight.key @ floor.plane)
 
 
-def _cut_off(inside: NDArray[np.bool_]) -> bool:
+def _with_buried(labels: Labels, still: Still, sight: Sight, floor: Array) -> Labels:
+    """Return labels in which pieces behind the ground are of the thing from which flow goes on.
+
+    Args:
+        labels: 0 where nothing moves by itself.
+        still: The pieces, and their depth.
+        sight: What is seen.
+        floor: The ground's inverse depth along each ray.
+    """
+    rest, moving = (labels == 0) & sight.trusted, labels > 0
+    buried = rest & (floor > 0) & (still.along.inverse_depth < floor / _SUNK)
+    count = int(still.cut.max()) + 1
+    share = np.bincount(still.cut[buried], minlength=count) / np.maximum(
+        np.bincount(still.cut[rest], minlength=count), 1
+    )
+    beside = np.unique(still.cut[rest & _grown(moving)])
+    found = labels.copy()
+    for piece in beside[share[beside] > _BURIED]:
+        inside = rest & (still.cut == piece)
+        with_thing = goes_on_between(inside, moving, sight.flow).sum()
+        with_rest = goes_on_between(inside, rest & ~inside, sight.flow).sum()
+        if with_thing > max(_FEWEST, with_rest / 2):
+            around = labels[_grown(inside) & moving]
+            found[(still.cut == piece) & (labels == 0)] = np.bincount(around).argmax()
+    return found
+
+
+def _grown(region: Mask) -> Mask:
+    return np.asarray(cv2.dilate(region.astype(np.uint8), np.ones((5, 5), np.uint8))).astype(bool)
+
+
+def _cut_off(inside: Mask) -> bool:
     """Return whether a region touches the frame's edge: then its foot may be beyond it."""
     edges = inside[0].any() or inside[-1].any() or inside[:, 0].any() or inside[:, -1].any()
     return bool(edges)

@@ -46,6 +46,9 @@ ln s, and the deviation."""
 _OVER, _LOOSE = 0.7, 0.6
 """What is in the air is nearer than what it hides by about this, in ln s, and its deviation."""
 
+_ABOVE = 0.2
+"""And nearer than most of what is still, likewise."""
+
 _WRONG = 0.12
 """The share of orderings that are: something before the thing was taken for what it hides."""
 
@@ -59,15 +62,12 @@ _LIES = 0.25
 _JOINT = 0.1
 """The deviation of ln s between parts of a body that touch."""
 
-_ABOVE = 0.2
-"""And nearer than most of what is still, likewise."""
-
 _LYING = 0.03
 """The deviation of ln s of a ball that lies on the ground."""
 
 
 def places(clues: Clues, habits: Habits) -> tuple[Array, list[Array]]:
-    """Return the grid of ln s, and on it the density of each place."""
+    """Return the grid of ln s, and on it the density of each place, in the order of `Habits`."""
     border = clues.border
     bound, attached = _bound(border), _attached(border)
     guesses = (clues.typical, clues.typical if bound is None else bound)

@@ -34,8 +34,8 @@ Mask = NDArray[np.bool_]
 _BODY = 0.2
 """The least size of a body, in that of its part."""
 
-_FOOT = 0.05
-"""The lowest rows of a thing, as a part of all."""
+_LOWEST = 0.05
+"""The rows that are the lowest part of a thing, as a part of all."""
 
 _TELLS = (Evidence.CONTACT, Evidence.MOTION)
 """What tells enough of a thing's scale that those of its parts may hang on it."""
@@ -188,7 +188,7 @@ def _beside(seen: _SeenThing, movers: Array, around: Surroundings) -> float | No
     if np.isfinite(movers).sum() < seen.inside.sum() * _BODY:
         return None
     ratio = nearness_beside(seen.inside, seen.own, movers, around)
-    return None if ratio is None else float(np.log(ratio))
+    return float(np.log(ratio)) if ratio is not None and ratio > 0 else None
 
 
 def _static(sight: Sight, labels: Labels, along: Along, least: Array) -> Mask:
@@ -244,8 +244,10 @@ def _foot(inside: Mask, own: Array, floor: Array) -> float | None:
         floor: The ground's inverse depth along each ray.
     """
     rows = np.flatnonzero(inside.any(axis=1))
-    lowest = inside.copy()
-    lowest[: rows[-1] - round(_FOOT * len(rows))] = False
+    lowest = inside & (own > 0)
+    lowest[: rows[-1] - round(_LOWEST * len(rows))] = False
+    if not lowest.any():
+        return None
     ratio = float(np.median(floor[lowest] / own[lowest]))
     return float(np.log(ratio)) if ratio > 0 else None
 

@@ -121,12 +121,11 @@ def _closed(moves: Mask, pairs: Neighbours) -> Mask:
     strip of it seems still, but the world around does not go on from there.
     """
     for _ in range(len(moves)):
-        beside = [np.zeros(len(moves)), np.zeros(len(moves))]
+        moving, still = np.zeros(len(moves)), np.zeros(len(moves))
         for one, other in ((pairs.first, pairs.second), (pairs.second, pairs.first)):
-            for kind in (0, 1):
-                at = moves[other] == bool(kind)
-                beside[kind] += np.bincount(one[at], pairs.joined[at], minlength=len(moves))
-        closed = moves | (beside[1] > _ALONE * beside[0] + _FEWEST)
+            moving += np.bincount(one, pairs.joined * moves[other], minlength=len(moves))
+            still += np.bincount(one, pairs.joined * ~moves[other], minlength=len(moves))
+        closed = moves | (moving > _ALONE * still + _FEWEST)
         if (closed == moves).all():
             break
         moves = closed

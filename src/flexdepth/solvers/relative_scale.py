@@ -3,7 +3,9 @@
 Flow sees a region's inverse depth ρ and translation t only as ρ t. For each scale s the posterior
 is summed over what the thing may be doing. By its place, it
 
-- stands on the static world where its foot is seen (contact: s is known to a few hundredths), or
+- stands on the static world where its foot is seen (contact: s is known to a few hundredths),
+- hangs on to something still, where flow goes on into it (likewise),
+- stands with its foot out of sight, nearer than the ground at its lowest visible part, or
 - is in the air, before what it hides (ordering: s has a lower bound only);
 
 and by its motion, it
@@ -78,7 +80,7 @@ def relative_scale(clues: Clues, vague: float = 0.7) -> Scale:
     by_motion, size = motions(clues, habits, grid), as_large(clues, grid)
     parts = {
         (place, motion): habits.joint[place][motion] * by_place[place] * by_motion[motion] * size
-        for place, motion in product(range(4), range(3))
+        for place, motion in product(range(len(by_place)), range(len(by_motion)))
     }
     parts[_PART] = habits.part * as_a_part(clues, grid) * by_motion[2]
     density = np.sum(list(parts.values()), axis=0)
