@@ -1,6 +1,5 @@
 import json
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -17,15 +16,7 @@ from flexdepth.runtime.images import Photo
 from flexdepth.sample import Prediction
 from flexdepth.training.processes import ALONE
 
-BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 HEIGHT, WIDTH = 24, 32
-
-
-@pytest.fixture
-def room(monkeypatch):
-    """Return a function that imports one of the benchmark's modules."""
-    monkeypatch.syspath_prepend(BENCHMARKS)
-    return import_module
 
 
 class TwoEverywhere(nn.Module):

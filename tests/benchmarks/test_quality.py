@@ -1,7 +1,5 @@
 import json
 import re
-from importlib import import_module
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,15 +10,7 @@ from flexdepth.runtime.depthmap import DepthMap, FocalSource, Intrinsics, Space
 from flexdepth.runtime.files import write_depth
 from flexdepth.runtime.images import Photo
 
-BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 HEIGHT, WIDTH = 24, 32
-
-
-@pytest.fixture
-def room(monkeypatch):
-    """Return a function that imports one of the benchmark's modules."""
-    monkeypatch.syspath_prepend(BENCHMARKS)
-    return import_module
 
 
 @pytest.fixture

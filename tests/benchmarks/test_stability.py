@@ -1,6 +1,4 @@
 import json
-from importlib import import_module
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,16 +7,8 @@ from PIL import Image
 from flexdepth.runtime.depthmap import DepthMap, Space
 from flexdepth.runtime.errors import InputError
 
-BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 INF, NAN = np.inf, np.nan
 LENGTH = 32
-
-
-@pytest.fixture
-def room(monkeypatch):
-    """Return a function that imports one of the benchmark's modules."""
-    monkeypatch.syspath_prepend(BENCHMARKS)
-    return import_module
 
 
 @pytest.fixture

@@ -8,11 +8,10 @@ of something that turns, where its flow happens to cross the lines by nothing.
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdepth.solvers.borders import Border, border, goes_on_between, surroundings
+from flexdepth.solvers.borders import Border, border, goes_on_between, grown, surroundings
 from flexdepth.solvers.ground import ground
 from flexdepth.solvers.pieces import Labels
 from flexdepth.solvers.regions import connected
@@ -91,20 +90,16 @@ def _with_buried(labels: Labels, still: Still, sight: Sight, floor: Array) -> La
     share = np.bincount(still.cut[buried], minlength=count) / np.maximum(
         np.bincount(still.cut[rest], minlength=count), 1
     )
-    beside = np.unique(still.cut[rest & _grown(moving)])
+    beside = np.unique(still.cut[rest & grown(moving)])
     found = labels.copy()
     for piece in beside[share[beside] > _BURIED]:
         inside = rest & (still.cut == piece)
         with_thing = goes_on_between(inside, moving, sight.flow).sum()
         with_rest = goes_on_between(inside, rest & ~inside, sight.flow).sum()
         if with_thing > max(_FEWEST, with_rest / 2):
-            around = labels[_grown(inside) & moving]
+            around = labels[grown(inside) & moving]
             found[(still.cut == piece) & (labels == 0)] = np.bincount(around).argmax()
     return found
-
-
-def _grown(region: Mask) -> Mask:
-    return np.asarray(cv2.dilate(region.astype(np.uint8), np.ones((5, 5), np.uint8))).astype(bool)
 
 
 def _cut_off(inside: Mask) -> bool:

@@ -2,12 +2,11 @@
 
 from dataclasses import dataclass, replace
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdepth.solvers.answer import Kind
-from flexdepth.solvers.borders import goes_on
+from flexdepth.solvers.borders import goes_on, grown
 from flexdepth.solvers.pieces import Labels
 from flexdepth.solvers.pose import Pose, angle
 from flexdepth.solvers.region_motion import (
@@ -139,12 +138,10 @@ def _touching(labels: Labels, motions: dict[int, RegionMotion], flow: Array) -> 
     """
     size = np.bincount(labels.ravel(), minlength=max(motions, default=0) + 1)
     group = {label: {label} for label in motions}
-    kernel = np.ones((5, 5), np.uint8)
     for label in sorted(motions, key=lambda each: -size[each]):
         if motions[label].kind is not Kind.FLEXIBLE:
             continue
-        grown = cv2.dilate((labels == label).astype(np.uint8), kernel).astype(bool)
-        touched = np.bincount(labels[grown], minlength=len(size))
+        touched = np.bincount(labels[grown(labels == label)], minlength=len(size))
         for other in np.flatnonzero(touched >= 6).tolist():
             if other in (0, label) or other not in motions:
                 continue
