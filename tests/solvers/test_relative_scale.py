@@ -7,12 +7,16 @@ import pytest
 
 from flexdepth.solvers.answer import Evidence, Kind
 from flexdepth.solvers.borders import Border, Surroundings, nearness_beside
-from flexdepth.solvers.clues import Clues
+from flexdepth.solvers.clues import HABITS, Clues
 from flexdepth.solvers.ground import Ground
+from flexdepth.solvers.places import places
 from flexdepth.solvers.relative_scale import least_error, relative_scale
 
 FLOOR = Ground(np.array([0.0, 1.0, 0.0]), 1.0)
 """The camera is one way of its own above it."""
+
+LEVEL = {"motion": np.array([0.9, 0.0, 0.2]), "way": np.array([0.3, 0.0, 0.0])}
+"""Camera and thing move level, so that every scale is level: only its place tells."""
 
 
 def border(ratio, *, foot):
@@ -22,7 +26,7 @@ def border(ratio, *, foot):
     slope = np.where(down & foot, 0.01, 0.0)
     nothing = np.zeros(60)
     ratios = np.where(down, ratio, 0.3)
-    return Border(row, np.arange(60), down, ratios, slope, nothing + 5.0, nothing)
+    return Border(row, np.arange(60), down, ratios, slope, nothing + 5.0, nothing, row[down])
 
 
 def clues(*, foot=True, beneath=None, **other):
@@ -59,14 +63,66 @@ def test_a_ball_lies_where_it_touches_the_ground_not_where_ground_is_seen_below_
     assert found.value == pytest.approx(1.06, abs=0.03)
 
 
-def test_a_ball_far_from_its_contact_does_not_lie():
-    assert relative_scale(clues(rest=1.0)).value == pytest.approx(relative_scale(clues()).value)
+def test_a_ball_lies_on_the_ground_even_if_its_lowest_part_is_out_of_sight():
+    found = relative_scale(clues(foot=False, beneath=-0.3, rest=0.2, **LEVEL))
+    assert found.value == pytest.approx(np.exp(0.2), abs=0.03)
+    assert found.evidence is Evidence.CONTACT
+
+
+def stands(seen):
+    """Return ln s at which a thing most likely stands where its foot is seen; None if nowhere."""
+    grid, (standing, *_) = places(seen, HABITS[seen.kind])
+    return float(grid[standing.argmax()]) if standing.any() else None
+
+
+def test_what_hides_a_part_of_the_foot_is_not_what_it_stands_on():
+    # Below 4 of the 20 pixels of its foot a bed is seen, twice as near as the ground.
+    beside_a_bed = border(1.0, foot=True)
+    beside_a_bed.ratio[:4] = 2.0
+    assert stands(clues(border=beside_a_bed)) == pytest.approx(0.0, abs=0.01)
+
+
+def test_what_bends_stands_a_little_nearer_than_what_is_seen_below_its_feet():
+    assert stands(clues()) == pytest.approx(0.0, abs=0.011)
+    assert stands(clues(kind=Kind.FLEXIBLE)) == pytest.approx(0.05, abs=0.011)
+
+
+def test_hems_that_the_picture_cuts_off_are_no_feet():
+    # Ground is seen below 20 of its 80 lowest pixels; the others are at the picture's edge.
+    whole = border(1.0, foot=True)
+    cut = replace(whole, lower=np.concatenate([whole.lower, np.full(60, 80)]))
+    assert stands(clues(kind=Kind.FLEXIBLE, border=whole)) is not None
+    assert stands(clues(kind=Kind.FLEXIBLE, border=cut)) is None
+    assert stands(clues(border=cut)) == stands(clues())
+
+
+def test_what_tumbles_is_in_the_air_though_its_foot_seems_to_be_seen():
+    upright, tumbles, noisy, unknown = (
+        relative_scale(clues(tips=tips, **LEVEL))
+        for tips in ((0.0, 1e-6), (0.05, 1e-6), (0.05, 1e-3), None)
+    )
+    assert upright.evidence is Evidence.CONTACT
+    assert upright.confidence > unknown.confidence
+    assert tumbles.evidence is not Evidence.CONTACT
+    assert tumbles.value > 1.2
+    # Noise may have turned it.
+    assert noisy.evidence is Evidence.CONTACT
+
+
+def test_a_thing_hardly_hangs_on_to_what_is_behind_all_that_it_hides():
+    # 10 of the 60 pixels of its border move with what is still, at s = .3.
+    def hangs(behind_it):
+        seen = border(1.0, foot=False)
+        seen.ratio[:], seen.ratio[:10], seen.jump[:10] = behind_it, 0.3, 0.0
+        _, (_, hanging, *_) = places(clues(border=seen), HABITS[Kind.FLEXIBLE])
+        return hanging.max()
+
+    assert hangs(behind_it=1.0) < 0.2 * hangs(behind_it=0.2)
 
 
 def test_what_hides_its_foot_is_nearer_than_the_ground_at_its_lowest_visible_part():
-    # Camera and thing move level, so that every scale is level: only its place tells.
-    level = {"motion": np.array([0.9, 0.0, 0.2]), "way": np.array([0.3, 0.0, 0.0])}
-    found = [relative_scale(clues(foot=False, beneath=at, **level)) for at in (-0.5, 0.0, 0.5)]
+    upright = {"foot": False, "tips": (0.0, 1e-6), **LEVEL}
+    found = [relative_scale(clues(beneath=at, **upright)) for at in (-0.5, 0.0, 0.5)]
     for at, scale in zip((-0.5, 0.0, 0.5), found, strict=True):
         assert 1.05 * np.exp(at) < scale.value < 2 * np.exp(at)
         assert scale.evidence is not Evidence.CONTACT

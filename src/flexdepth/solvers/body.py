@@ -1,9 +1,13 @@
-"""What a thing's own shape tells of its scale: how large it would be, and whether it is a ball."""
+"""What a rigid thing's shape and turning tell of its place: whether it is a ball, lies or flies."""
 
+from dataclasses import dataclass
+
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdepth.solvers.ground import Ground
+from flexdepth.solvers.pose import Pose
 
 Array = NDArray[np.float64]
 
@@ -15,17 +19,50 @@ _SHOWN = 0.75
 
 _FEWEST = 30
 
+_OFF = 0.03
+"""What a ball's middle is off, in radii."""
 
-def ball_at_rest(points: Array, size: float, floor: Ground) -> float | None:
-    """Return ln s at which a ball lies on the ground; None for what is no ball.
 
-    Where a ball touches the ground is hidden by the ball: what is seen below its outline lies
-    farther than that. But its middle, at C, is its radius r above the ground: s = |g| (n·C + r).
+@dataclass(frozen=True, eq=False)
+class Ball:
+    """A ball at scale 1.
+
+    Attributes:
+        middle: C, which is not seen.
+        radius: r.
+    """
+
+    middle: Array
+    radius: float
+
+    def at_rest(self, floor: Ground) -> float | None:
+        """Return ln s at which it lies on the ground; None if at no scale.
+
+        Where a ball touches the ground is hidden by the ball: what is seen below its outline lies
+        farther than that. But its middle is its radius above the ground: s = |g| (n·C + r).
+
+        Args:
+            floor: The ground, g = |g| n.
+        """
+        deep = float(floor.normal @ self.middle) + self.radius
+        return float(np.log(deep * np.linalg.norm(floor.plane))) if deep > 0 else None
+
+    def wobble(self, turn: float) -> float:
+        """Return how far its middle's motion is uncertain, if it turns by so many radians."""
+        return _OFF * turn * self.radius
+
+    def moved(self, motion: Pose, camera: Pose) -> Array:
+        """Return how its middle moves, the camera's turning undone."""
+        there = motion.rotation @ self.middle + motion.translation
+        return np.asarray(camera.rotation.T @ there - self.middle)
+
+
+def ball(points: Array, size: float) -> Ball | None:
+    """Return the ball whose front is seen; None for what is no ball.
 
     Args:
         points: Of a rigid thing at scale 1, n x 3.
         size: The square root of the area that it shows, at scale 1.
-        floor: The ground, g = |g| n.
     """
     if len(points) < _FEWEST:
         return None
@@ -36,7 +73,20 @@ def ball_at_rest(points: Array, size: float, floor: Ground) -> float | None:
         return None
     radius = float(np.sqrt(square))
     off = np.linalg.norm(points - middle, axis=1) - radius
-    deep = float(floor.normal @ middle) + radius
-    if float(np.sqrt(np.mean(off**2))) > _ROUND * radius or deep <= 0:
-        return None
-    return float(np.log(deep * np.linalg.norm(floor.plane)))
+    return Ball(middle, radius) if float(np.sqrt(np.mean(off**2))) < _ROUND * radius else None
+
+
+def tipping(motion: Pose, camera: Pose, floor: Ground) -> float:
+    """Return the radians by which a thing turns about neither an upright nor a level axis.
+
+    What is pushed or driven on the ground turns about an upright axis alone, and what rolls, about
+    a level one. In the air things turn about any.
+
+    Args:
+        motion: The thing's.
+        camera: The camera's.
+        floor: The ground.
+    """
+    turn = cv2.Rodrigues(camera.rotation.T @ motion.rotation)[0].ravel()
+    upright = float(turn @ floor.normal)
+    return min(abs(upright), float(np.linalg.norm(turn - upright * floor.normal)))

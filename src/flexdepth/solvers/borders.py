@@ -46,6 +46,7 @@ class Border:
             above 0 on ground that is seen below the region.
         jump: Pixels of flow between the region and the static world.
         hidden: How many of the static samples the target hides, less those of the region.
+        lower: Rows of all of the region's pixels with none of it below, not n: whatever is there.
     """
 
     row: NDArray[np.intp]
@@ -55,6 +56,7 @@ class Border:
     slope: Array
     jump: Array
     hidden: Array
+    lower: NDArray[np.intp]
 
     def __len__(self) -> int:
         """Return how many there are."""
@@ -91,18 +93,25 @@ def surroundings(inverse_depth: Array, static: Mask, flow: Array, trusted: Mask)
     return Surroundings(np.where(near, smooth, filled), static, flow, trusted, unit)
 
 
-def border(inside: Mask, inverse_depth: Array, around: Surroundings) -> Border:
+def border(
+    inside: Mask, inverse_depth: Array, around: Surroundings, others: Mask | None = None
+) -> Border:
     """Return what is seen along the border of a region.
 
     Args:
         inside: The region.
         inverse_depth: Height x width; the region's own.
         around: The static world.
+        others: Where other things move: what lies beyond them is not beside the region.
     """
-    parts = [_one_way(inside, inverse_depth, around, way) for way in _WAYS]
+    passed = inside if others is None else inside | others
+    parts = [_one_way((inside, passed), inverse_depth, around, way) for way in _WAYS]
     joined = [np.concatenate(each) for each in zip(*parts, strict=True)]
     row, column, down, ratio, slope, jump, hidden = joined
-    return Border(row.astype(np.intp), column.astype(np.intp), down > 0, ratio, slope, jump, hidden)
+    lower = np.nonzero(inside & ~np.pad(inside, ((0, 1), (0, 0)))[1:])[0]
+    return Border(
+        row.astype(np.intp), column.astype(np.intp), down > 0, ratio, slope, jump, hidden, lower
+    )
 
 
 def nearness_beside(inside: Mask, own: Array, others: Array, around: Surroundings) -> float | None:
@@ -170,12 +179,12 @@ def _unit(pixels: int) -> int:
 
 
 def _one_way(
-    inside: Mask, inverse_depth: Array, around: Surroundings, way: tuple[int, int]
+    masks: tuple[Mask, Mask], inverse_depth: Array, around: Surroundings, way: tuple[int, int]
 ) -> tuple[Array, ...]:
+    """Return what is seen on one side; `masks` are the region, and what the border is not at."""
+    inside, passed = masks
     height, width = inside.shape
-    beyond = np.zeros_like(inside)
-    shifted = np.roll(inside, (-way[0], -way[1]), (0, 1))
-    beyond[:] = inside & ~shifted
+    beyond = inside & ~np.roll(passed, (-way[0], -way[1]), (0, 1))
     beyond[0 if way[0] < 0 else -1, :] &= way[0] == 0
     beyond[:, 0 if way[1] < 0 else -1] &= way[1] == 0
     row, column = np.nonzero(beyond)

@@ -29,6 +29,8 @@ class Clues:
         rest: ln s at which it lies on the ground as a ball does; None for what is no ball.
         foot: ln s at which the lowest that is seen of it is on the ground; None where no ground is
             below it.
+        tips: Radians by which it turns about neither an upright nor a level axis, and the standard
+            error of its mean flow, likewise; None for what bends, and where no ground is seen.
         beside: ln s at which it is as near as the moving thing that it touches; None if alone.
     """
 
@@ -43,6 +45,7 @@ class Clues:
     size: float
     rest: float | None
     foot: float | None
+    tips: tuple[float, float] | None = None
     beside: float | None = None
 
 
@@ -56,6 +59,10 @@ class Habits:
             anyhow. They sum to about 1.
         part: Weight, against these, of being a part of what moves and is touched.
         contact: Standard deviation of ln s at a contact.
+        lifted: How much nearer it stands than what is seen below its foot, in ln s: feet are
+            lifted, and one that stands still belongs to what is still.
+        shown: The share of its lowest border that ground is seen below at least, if that is a
+            foot: the picture's edge cuts off what bends at hems, from which no foot is told.
         stay: Scale of how far from its place a thing strays that stays, in ways of the camera.
         level: Standard deviation of the rise of what moves level, likewise, and per its own way.
     """
@@ -63,22 +70,28 @@ class Habits:
     joint: tuple[tuple[float, float, float], ...]
     part: float
     contact: float
+    lifted: float
+    shown: float
     stay: float
     level: tuple[float, float]
 
 
 HABITS = {
     Kind.RIGID: Habits(
-        ((0.05, 0.59, 0.003), (0.0, 0.0, 0.0), (0.015, 0.08, 0.08), (0.01, 0.15, 0.001)),
+        ((0.05, 0.59, 0.003), (0.0, 0.0, 0.0), (0.015, 0.08, 0.08), (0.01, 0.08, 0.001)),
         0.5,
-        0.05,
+        0.04,
+        0.0,
+        0.0,
         0.02,
         (0.006, 0.004),
     ),
     Kind.FLEXIBLE: Habits(
-        ((0.25, 0.13, 0.17), (0.1, 0.0, 0.05), (0.05, 0.025, 0.07), (0.06, 0.03, 0.04)),
-        1.0,
+        ((0.25, 0.2, 0.17), (0.06, 0.0, 0.05), (0.03, 0.04, 0.07), (0.04, 0.03, 0.04)),
+        0.6,
         0.1,
+        0.05,
+        0.3,
         0.08,
         (0.05, 0.05),
     ),

@@ -17,8 +17,9 @@ _NEAR = 0.03
 _UPRIGHT, _LEANS = 0.6, 0.5
 """A ground's normal has at least this part along the picture's height, and no more to the side."""
 
-_SHARE = 0.25
-"""The share of the pixels below the middle that a ground has at least."""
+_SHARE, _GATHERED = 0.25, 0.15
+"""The share of the pixels below the middle that a ground has at least: any, and one at whose very
+plane they gather."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +42,9 @@ class Ground:
 
 def ground(key: Array, inverse_depth: Array, static: NDArray[np.bool_]) -> Ground | None:
     """Return the ground, or None where no plane fills a quarter of the frame's lower half.
+
+    A seventh is enough where more than half of what is near the plane is in the middle third of
+    that: what is no plane spreads over all of it.
 
     Args:
         key: Rays, height x width x 3.
@@ -71,5 +75,8 @@ def ground(key: Array, inverse_depth: Array, static: NDArray[np.bool_]) -> Groun
         relative = rays / inverse[:, None]
         normal = (relative * weight[:, None]).T @ relative
         plane = np.linalg.solve(normal + 1e-12 * np.eye(3), relative.T @ weight)
-    share = float((np.abs(rays @ plane / inverse - 1) < _NEAR).mean())
-    return Ground(plane, share) if share >= _SHARE and plane[1] > 0 else None
+    off = np.abs(rays @ plane / inverse - 1)
+    share = float((off < _NEAR).mean())
+    gathers = (off < _NEAR / 3).mean() > share / 2
+    large = share >= (_GATHERED if gathers else _SHARE)
+    return Ground(plane, share) if large and plane[1] > 0 else None

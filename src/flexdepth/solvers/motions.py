@@ -18,7 +18,7 @@ _TYPICAL = 0.5
 _TURNS = 0.01
 """Radians: what is rigid and stays turns by about as much at least, else it would seem still."""
 
-_TILT = 0.06
+_TILT = 0.025
 """Radians by which a ground's normal errs that hardly anything lies in."""
 
 

@@ -2,8 +2,7 @@
 
 A car that drives as the camera does leaves no trace across the lines. Taken to be still, it is
 farther than the road on which it stands, and than things that it hides: it has sunk into them.
-(What seems too near is let be: it may hang, as a lamp does or the crown of a tree.) So does a strip
-of something that turns, where its flow happens to cross the lines by nothing.
+(What seems too near is let be: it may hang, as a lamp does or the crown of a tree.)
 """
 
 from dataclasses import dataclass
@@ -11,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdepth.solvers.borders import Border, border, goes_on_between, grown, surroundings
+from flexdepth.solvers.borders import Border, border, surroundings
 from flexdepth.solvers.ground import ground
 from flexdepth.solvers.pieces import Labels
 from flexdepth.solvers.regions import connected
@@ -23,9 +22,6 @@ Mask = NDArray[np.bool_]
 
 _SUNK = 1.25
 """How many times nearer the ground at a thing's foot is than the thing, for it to have sunk."""
-
-_BURIED = 0.7
-"""The share of a piece that the ground would hide, were it still, for it to be none that is."""
 
 _LARGEST = 0.25
 """The share of the frame up to which a region is a thing."""
@@ -66,40 +62,14 @@ def with_sunk(still: Still, sight: Sight) -> Labels:
     smooth = max(_SMOOTH, 4 * float(np.median(sight.noise[sight.trusted])))
     surfaces = connected(still.cut, still.labels == 0, sight.flow, smooth)
     for surface in range(1, int(surfaces.max()) + 1):
-        inside = (surfaces == surface) & (labels == 0) & sight.trusted
-        if not 0 < inside.sum() < _LARGEST * inside.size or _cut_off(inside):
+        whole = (surfaces == surface) & (labels == 0)
+        inside = whole & sight.trusted
+        if not 0 < inside.sum() < _LARGEST * inside.size or _cut_off(whole):
             continue
         around = surroundings(inverse, known & ~inside, sight.flow, sight.trusted)
         if _sunk(border(inside, inverse, around), inverse, sight.key @ floor.plane):
-            labels[(surfaces == surface) & (labels == 0)] = labels.max() + 1
-    return _with_buried(labels, still, sight, sight.key @ floor.plane)
-
-
-def _with_buried(labels: Labels, still: Still, sight: Sight, floor: Array) -> Labels:
-    """Return labels in which pieces behind the ground are of the thing from which flow goes on.
-
-    Args:
-        labels: 0 where nothing moves by itself.
-        still: The pieces, and their depth.
-        sight: What is seen.
-        floor: The ground's inverse depth along each ray.
-    """
-    rest, moving = (labels == 0) & sight.trusted, labels > 0
-    buried = rest & (floor > 0) & (still.along.inverse_depth < floor / _SUNK)
-    count = int(still.cut.max()) + 1
-    share = np.bincount(still.cut[buried], minlength=count) / np.maximum(
-        np.bincount(still.cut[rest], minlength=count), 1
-    )
-    beside = np.unique(still.cut[rest & grown(moving)])
-    found = labels.copy()
-    for piece in beside[share[beside] > _BURIED]:
-        inside = rest & (still.cut == piece)
-        with_thing = goes_on_between(inside, moving, sight.flow).sum()
-        with_rest = goes_on_between(inside, rest & ~inside, sight.flow).sum()
-        if with_thing > max(_FEWEST, with_rest / 2):
-            around = labels[grown(inside) & moving]
-            found[(still.cut == piece) & (labels == 0)] = np.bincount(around).argmax()
-    return found
+            labels[whole] = labels.max() + 1
+    return labels
 
 
 def _cut_off(inside: Mask) -> bool:

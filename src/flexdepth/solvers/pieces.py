@@ -26,8 +26,9 @@ _COLOUR = 0.02
 _SMALLEST = 1.3e-3
 """The share of the frame that a piece has at least."""
 
-_SMOOTHED = 0.02
-"""Pixels of noise from which on flow is smoothed before it is cut."""
+_ALIKE, _NEAR, _WINDOW = 3.0, 3.0, 7
+"""Noise is averaged away before flow is cut, among pixels whose flow is alike to within about so
+many of its standard deviations: of those within so many pixels, in a window of this width."""
 
 
 def pieces(
@@ -41,14 +42,11 @@ def pieces(
         noise: The flow's typical standard deviation, pixels.
         image: RGB.
     """
-    channels = [flow[..., 0], flow[..., 1], _ACROSS * across]
-    maps = [np.ascontiguousarray(each, np.float32) for each in channels]
-    if noise > _SMOOTHED:
-        maps = [np.asarray(cv2.medianBlur(each, 5), np.float32) for each in maps]
+    moves = np.dstack([flow, _ACROSS * across]).astype(np.float32)
+    maps = [cv2.bilateralFilter(moves, _WINDOW, _ALIKE * noise, _NEAR)]
     if image is not None:
         colour = cv2.cvtColor(image.astype(np.float32) / 255, cv2.COLOR_RGB2LAB)
-        blurred = np.asarray(cv2.GaussianBlur(colour, (5, 5), 0) * _COLOUR, np.float32)
-        maps += [blurred[..., k] for k in range(3)]
+        maps.append(cv2.GaussianBlur(colour, (5, 5), 0) * np.float32(_COLOUR))
     smallest = max(8, round(_SMALLEST * across.size))
     cut = cv2.ximgproc.segmentation.createGraphSegmentation(0.01, _GRANULARITY, smallest)
     return np.asarray(cut.processImage(np.dstack(maps)), np.int32)

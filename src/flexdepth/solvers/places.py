@@ -30,6 +30,10 @@ _SLOPE = 2e-3
 _NEAREST = 0.9
 """The quantile of the ratios under a foot that is its contact: the nearest part touches."""
 
+_LEAP = 1.5
+"""How much nearer than half of what is below a foot its ground is at most: what is more so, as a
+bed before it, hides it."""
+
 _BOUND = 0.6
 """The quantile of the ratios along the border that ordering goes by: some are wrong."""
 
@@ -49,18 +53,25 @@ _OVER, _LOOSE = 0.7, 0.6
 _ABOVE = 0.2
 """And nearer than most of what is still, likewise."""
 
-_WRONG = 0.12
+_WRONG = 0.1
 """The share of orderings that are: something before the thing was taken for what it hides."""
 
 _SIZE = (0.5, 0.9)
 """The square root of the area that a thing shows, in heights of the camera over the ground: its
 median, and the deviation of its logarithm."""
 
-_LIES = 0.25
-"""A ball lies on the ground if it does so at a scale so near to that of contact, in ln s."""
-
 _JOINT = 0.1
 """The deviation of ln s between parts of a body that touch."""
+
+_UPRIGHT = (0.003, 400.0)
+"""The deviation of the radians by which what is on the ground tips over: at least, and in the
+standard error of its mean flow. (A turn about a level axis looks much like a rise.)"""
+
+_TUMBLES = 0.1
+"""The typical radians by which what is in the air does."""
+
+_FALLS, _HOVERS = 0.03, 0.15
+"""The share of what is on the ground that tips over, and of what is in the air that does not."""
 
 _LYING = 0.03
 """The deviation of ln s of a ball that lies on the ground."""
@@ -70,25 +81,44 @@ def places(clues: Clues, habits: Habits) -> tuple[Array, list[Array]]:
     """Return the grid of ln s, and on it the density of each place, in the order of `Habits`."""
     border = clues.border
     bound, attached = _bound(border), _attached(border)
+    rests, flies = _tipping(clues.tips)
     guesses = (clues.typical, clues.typical if bound is None else bound)
     grid = np.arange(min(guesses) - _REACH, max(guesses) + _REACH, _STEP)
     nowhere = np.zeros_like(grid)
-    contact = _contact(border, habits.contact)
-    if contact is not None and clues.rest is not None and abs(clues.rest - contact[0]) < _LIES:
-        contact = clues.rest, _LYING
-    standing = [
-        nowhere if contact is None else _touching(grid - contact[0], contact[1]),
-        nowhere if attached is None else normal(grid - attached, habits.contact),
-    ]
-    hidden = nowhere if clues.foot is None else _hidden(grid - clues.foot)
+    contact = _contact(border, habits) if clues.rest is None else (clues.rest, _LYING)
+    standing = nowhere if contact is None else rests * _touching(grid - contact[0], contact[1])
+    hangs = nowhere if attached is None else normal(grid - attached, habits.contact)
+    hidden = nowhere if clues.foot is None else rests * _hidden(grid - clues.foot)
     if bound is None:
-        return grid, [*standing, normal(grid - clues.typical - _OVER, 1.0), hidden]
+        flying = flies * normal(grid - clues.typical - _OVER, 1.0)
+        return grid, [standing, hangs, flying, hidden]
+    hangs = hangs * _before(grid - bound)
     if contact is not None:
         bound = max(bound, contact[0])
     over = grid - bound
-    before = _WRONG + (1 - _WRONG) / (1 + np.exp(-np.clip(over / 0.05, -50, 50)))
     likely = max(_OVER, clues.typical + _ABOVE - bound)
-    return grid, [*standing, before * normal(over - likely, _LOOSE), hidden]
+    return grid, [standing, hangs, flies * _before(over) * normal(over - likely, _LOOSE), hidden]
+
+
+def _before(over: Array) -> Array:
+    """Return how likely a thing is seen so far before what it hides, in ln s."""
+    return _WRONG + (1 - _WRONG) / (1 + np.exp(-np.clip(over / 0.05, -50, 50)))
+
+
+def _tipping(tips: tuple[float, float] | None) -> tuple[float, float]:
+    """Return how likely it is for what is on the ground, and what is in the air, to turn so.
+
+    Both beside what turns anyhow, as a limb does.
+
+    Args:
+        tips: As in `Clues`.
+    """
+    if tips is None:
+        return 1.0, 1.0
+    spread = _UPRIGHT[0] + _UPRIGHT[1] * tips[1]
+    anyhow = 2 / (np.pi * _TUMBLES * (1 + (tips[0] / _TUMBLES) ** 2))
+    times = float(2 * normal(np.array(tips[0]), spread) / anyhow)
+    return _FALLS + (1 - _FALLS) * times, 1 - _HOVERS + _HOVERS * times
 
 
 def _bound(border: Border) -> float | None:
@@ -100,22 +130,26 @@ def _bound(border: Border) -> float | None:
     return float(np.log(ratio)) if ratio > 0 else None
 
 
-def _contact(border: Border, deviation: float) -> tuple[float, float] | None:
+def _contact(border: Border, habits: Habits) -> tuple[float, float] | None:
     """Return ln s, and its deviation, where the thing stands on what is seen below it.
 
     Where its foot is not seen, but ground below it is, it stands a little nearer than that.
     """
     if len(border) < FEWEST:
         return None
-    foot = border.row.max() - max(2.0, _FOOT * float(np.ptp(border.row)))
+    top, base = float(border.row.min()), float(border.row.max())
+    foot = base - max(2.0, _FOOT * (base - top))
     lowest = border.down & (border.row >= foot)
     ground = border.down & (border.slope > _SLOPE) & (border.ratio > 0)
     under = lowest & ground
-    if under.sum() >= max(FEWEST, _SURE * float(lowest.sum())):
-        return float(np.log(np.quantile(border.ratio[under], _NEAREST))), deviation
-    half = ground & (border.row >= (float(border.row.max()) + float(border.row.min())) / 2)
+    least = max(FEWEST, _SURE * lowest.sum(), habits.shown * (border.lower >= foot).sum())
+    if under.sum() >= least:
+        ratio = border.ratio[under]
+        ratio = ratio[ratio < _LEAP * np.median(ratio)]
+        return float(np.log(np.quantile(ratio, _NEAREST))) + habits.lifted, habits.contact
+    half = ground & (border.row >= (base + top) / 2)
     if lowest.sum() < FEWEST and half.sum() >= 2 * FEWEST:
-        return float(np.log(np.quantile(border.ratio[half], 0.85))) + deviation, _VAGUE
+        return float(np.log(np.quantile(border.ratio[half], 0.85))) + habits.contact, _VAGUE
     return None
 
 

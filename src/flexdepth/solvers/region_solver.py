@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdepth.solvers.answer import Evidence, Kind, Region
-from flexdepth.solvers.body import ball_at_rest
+from flexdepth.solvers.body import ball, tipping
 from flexdepth.solvers.borders import Surroundings, border, nearness_beside, surroundings
 from flexdepth.solvers.clues import Clues
 from flexdepth.solvers.correspondences import Correspondences, from_flow
@@ -216,23 +216,34 @@ def _clues(
     size = float(np.sqrt(inside.sum() / sight.focal.prod()))
     points = sight.key[inside] / own[inside][:, None]
     turn = own_turn(thing, pose)
-    rest = None
-    if thing.kind is Kind.RIGID and stage.floor is not None:
-        rest = ball_at_rest(points, size, stage.floor)
+    sphere = ball(points, size) if thing.kind is Kind.RIGID else None
+    moved, unsure = middle_motion(thing, counts, middles, pose), wobble(thing, sight, labels, turn)
+    if sphere is not None:
+        moved, unsure = sphere.moved(thing.motions[0].pose, pose), sphere.wobble(turn)
     clues = Clues(
         kind=thing.kind,
-        border=border(inside, own, still[0]),
-        motion=middle_motion(thing, counts, middles, pose),
+        border=border(inside, own, still[0], (labels > 0) & ~np.isin(labels, thing.labels)),
+        motion=moved,
         turn=turn,
-        wobble=wobble(thing, sight, labels, turn),
+        wobble=unsure,
         way=pose.rotation.T @ pose.translation,
         floor=stage.floor,
         typical=still[1],
         size=size,
-        rest=rest,
+        rest=None if sphere is None or stage.floor is None else sphere.at_rest(stage.floor),
         foot=None if stage.floor is None else _foot(inside, own, sight.key @ stage.floor.plane),
+        tips=_tips(sight, stage, thing, inside),
     )
     return _SeenThing(thing, inside, own, clues)
+
+
+def _tips(sight: Sight, stage: _Stage, thing: Thing, inside: Mask) -> tuple[float, float] | None:
+    """Return how far a rigid thing tips over, and the standard error of its mean flow: radians."""
+    if thing.kind is not Kind.RIGID or stage.floor is None:
+        return None
+    noise = stage.camera.noise_factor * float(np.median(sight.noise[inside]))
+    tips = tipping(thing.motions[0].pose, stage.camera.pose, stage.floor)
+    return tips, noise / float(np.sqrt(inside.sum()) * sight.focal.mean())
 
 
 def _foot(inside: Mask, own: Array, floor: Array) -> float | None:

@@ -1,7 +1,8 @@
 """Which pixels move by themselves, and which of them together.
 
 Each piece of the frame is tested by the median of what its pixels are off the camera's epipolar
-lines. How far such a median strays without any motion is not assumed: it is measured by how the
+lines, and by the median of the size of that, beside their noise: cloth in the wind is off to both
+sides. How far such medians stray without any motion is not assumed: it is measured by how the
 pieces of the frame stray, most of which are still.
 """
 
@@ -17,8 +18,18 @@ from flexdepth.solvers.two_view import Along
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-_LEAST = 0.012
+_LEAST = 0.003
 """Pixels: medians stray at least so far, even where the flow is said to be exact."""
+
+_MIXED, _MISTOLD = 0.15, 0.5
+"""And so far in the frame's typical noise: some of a still piece's pixels are of what moves beside
+it. What is off to both sides is told by that noise alone, which may be told wrong by half."""
+
+_MEDIAN = 1.25
+"""The standard deviation of a median, in that of one value over the root of how many there are."""
+
+_OFF = 0.012
+"""Pixels: what is rigid may be off its motion at least so far."""
 
 _STRONG, _WEAK = 6.0, 3.0
 """Standard deviations at which a piece moves, and at which it does beside one that moves."""
@@ -36,6 +47,9 @@ _ALONE, _FEWEST = 3.0, 4.0
 """How much longer the border is across which flow goes on from moving pieces than from still ones,
 and pixels of it, for a piece to be one with those."""
 
+_AROUND = 0.7
+"""The share of a small piece's border that is with moving ones, for it to be part of those."""
+
 _MOST = 24
 """Moving regions are at most so many: the largest."""
 
@@ -49,7 +63,8 @@ class Moving:
 
     Attributes:
         labels: Height x width: 0 is the static world, then the regions, the largest first.
-        strays: Pixels: how far the median of a still piece is off its epipolar lines.
+        strays: Pixels: how far the median of a still piece is off its epipolar lines, and what is
+            rigid may be off its motion.
     """
 
     labels: Labels
@@ -69,17 +84,44 @@ def moving_regions(
         trusted: Where the flow counts.
     """
     count = int(labels.max()) + 1
-    pixels = np.bincount(labels[trusted], minlength=count).astype(np.float64)
-    middle = np.abs(medians(labels[trusted], along.across[trusted], count))
-    strays = max(_LEAST, weighted_median(middle, pixels) / 0.6745)
+    groups, off = labels[trusted], along.across[trusted]
+    pixels = np.bincount(groups, minlength=count).astype(np.float64)
+    said = medians(groups, noise[trusted], count)
+    middle = np.abs(medians(groups, off, count))
+    width = medians(groups, np.abs(off), count)
+    wider = width - said * weighted_median(width / np.where(said > 0, said, 1.0), pixels)
+    typical = float(np.median(noise[trusted]))
+    surprise = np.maximum(
+        _surprise(middle, pixels, said, _MIXED * typical),
+        _surprise(wider, pixels, said, _MISTOLD * typical),
+    )
     behind = along.parallax < -_CLEAR * noise
-    share = np.bincount(labels[trusted], behind[trusted], minlength=count) / np.maximum(pixels, 1)
-    surprise = np.where(share > _BEHIND, 2 * _STRONG, middle / strays)
+    share = np.bincount(groups, behind[trusted], minlength=count) / np.maximum(pixels, 1)
+    surprise[share > _BEHIND] = 2 * _STRONG
     surprise[pixels < 3] = 0.0
-    pairs = neighbours(labels, flow, max(0.7, 3 * float(np.median(noise[trusted]))))
+    pairs = neighbours(labels, flow, max(0.7, 3 * typical))
     moves = _closed(_grown(surprise, pairs), pairs)
     area = np.bincount(labels.ravel(), minlength=count).astype(np.float64)
-    return Moving(_objects(labels, moves, pairs, area), strays)
+    number = _with_small(_objects(moves, pairs, area), moves, pairs)
+    return Moving(number[labels], max(_OFF, _strays(middle, pixels)))
+
+
+def _surprise(off: Array, pixels: Array, noise: Array, least: float) -> Array:
+    """Return by how many standard deviations each piece is off.
+
+    Args:
+        off: Pixels; a median of each piece, of which most have about 0.
+        pixels: How many each has.
+        noise: Their flow's typical standard deviation, pixels.
+        least: Pixels by which such medians stray at least.
+    """
+    least = max(_LEAST, least, _strays(off, pixels))
+    return np.asarray(off / np.hypot(least, _MEDIAN * noise / np.sqrt(np.maximum(pixels, 1))))
+
+
+def _strays(off: Array, pixels: Array) -> float:
+    """Return the standard deviation of most of the pieces, each as often as it has pixels."""
+    return weighted_median(np.abs(off), pixels) / 0.6745
 
 
 def medians(groups: NDArray[np.int32], values: Array, count: int) -> Array:
@@ -132,8 +174,11 @@ def _closed(moves: Mask, pairs: Neighbours) -> Mask:
     return moves
 
 
-def _objects(labels: Labels, moves: Mask, pairs: Neighbours, pixels: Array) -> Labels:
-    """Return moving pieces put together where the flow goes on from one to the other."""
+def _objects(moves: Mask, pairs: Neighbours, pixels: Array) -> Labels:
+    """Return the number of each piece's object, from 1: moving pieces between which flow goes on.
+
+    What is still, or too small, has 0.
+    """
     together = moves[pairs.first] & moves[pairs.second]
     together &= pairs.joined >= np.maximum(2, _GOES_ON * pairs.length)
     parent = np.arange(len(moves))
@@ -143,10 +188,31 @@ def _objects(labels: Labels, moves: Mask, pairs: Neighbours, pixels: Array) -> L
     roots = np.array([_root(parent, each) for each in range(len(moves))])
     size = np.bincount(roots, np.where(moves, pixels, 0), minlength=len(moves))
     order = np.argsort(-size)[:_MOST]
-    order = order[size[order] >= max(20, _SMALLEST * labels.size)]
+    order = order[size[order] >= max(20, _SMALLEST * pixels.sum())]
     number = np.zeros(len(moves), np.int32)
     number[order] = np.arange(1, len(order) + 1)
-    return np.asarray(np.where(moves, number[roots], 0)[labels], np.int32)
+    return np.asarray(np.where(moves, number[roots], 0), np.int32)
+
+
+def _with_small(number: Labels, moves: Mask, pairs: Neighbours) -> Labels:
+    """Return the numbers of objects, with moving pieces too small for one in those around them.
+
+    A strip of a ball that spins fast moves for sure, and what moves is around it: it is of the
+    object with which it shares the longest border. What is still on one side may be a blurred rim.
+    """
+    for _ in range(len(number)):
+        shared = np.zeros((len(number), int(number.max()) + 1))
+        moving = np.zeros(len(number))
+        for one, other in ((pairs.first, pairs.second), (pairs.second, pairs.first)):
+            np.add.at(shared, (one, number[other]), pairs.length)
+            np.add.at(moving, one, pairs.length * moves[other])
+        around = moving > _AROUND * shared.sum(axis=1)
+        shared[:, 0] = 0.0
+        left = moves & (number == 0) & around & shared.any(axis=1)
+        if not left.any():
+            break
+        number = np.where(left, shared.argmax(axis=1), number).astype(np.int32)
+    return number
 
 
 def connected(labels: Labels, inside: Mask, flow: Array, smooth: float) -> Labels:
@@ -161,7 +227,7 @@ def connected(labels: Labels, inside: Mask, flow: Array, smooth: float) -> Label
     count = int(labels.max()) + 1
     pixels = np.bincount(labels.ravel(), minlength=count).astype(np.float64)
     counts = np.bincount(labels[inside], minlength=count) > 0.5 * pixels
-    return _objects(labels, counts, neighbours(labels, flow, smooth), pixels)
+    return _objects(counts, neighbours(labels, flow, smooth), pixels)[labels]
 
 
 def _root(parent: NDArray[np.intp], at: int) -> int:

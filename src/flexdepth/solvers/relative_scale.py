@@ -6,9 +6,10 @@ is summed over what the thing may be doing. By its place, it
 - stands on the static world where its foot is seen (contact: s is known to a few hundredths),
 - hangs on to something still, where flow goes on into it (likewise),
 - stands with its foot out of sight, nearer than the ground at its lowest visible part, or
-- is in the air, before what it hides (ordering: s has a lower bound only);
+- is in the air, before what it hides (ordering: s has a lower bound only).
 
-and by its motion, it
+What is rigid and on the ground turns about an upright axis, or rolls about a level one: what
+tumbles is in the air. And by its motion, it
 
 - stays where it is, as a tree in the wind or a person who waves,
 - moves level over the ground, as cars, and all that is pushed or rolls, or
