@@ -217,4 +217,6 @@ def test_spread_stays_where_neighbours_err_alike(film, shown):
     given = replace(seen(film, NOISE), flow=(film.flow + alike).astype(np.float32))
     before, after = two_frame(given, REGIONS), two_frame(given)
     inside = shown["still"] & before.valid & after.valid
-    assert np.median(after.spread[inside] / before.spread[inside]) > 0.9
+    # But for the noise that what moves by itself makes of it.
+    most = 1 / before.camera_motion.noise_factor
+    assert np.median(after.spread[inside] / before.spread[inside]) > 0.9 * most

@@ -228,6 +228,18 @@ def test_the_prior_carries_what_geometry_does_not_and_its_share_is_shown():
     assert not found.metric
 
 
+def test_a_far_wall_that_the_prior_has_wrong_stays_where_its_parallax_puts_it():
+    seen = view(TURN, 0.2 * STEP)
+    wall = seen.depth == worlds.WALL
+    told = np.full(seen.depth.shape, 0.1)
+    shown = seen.seen(noise=0.04, prior=Prior(np.where(wall, 0.6, 1.0) * seen.depth, told))
+    alone = two_frame(replace(shown, prior=None))
+    found = two_frame(shown)
+    assert abs_rel(found.depth, seen.depth, wall & alone.valid) < 1.05 * abs_rel(
+        alone.depth, seen.depth, wall & alone.valid
+    )
+
+
 def test_a_prior_in_metres_gives_metres_where_the_focal_length_is_known():
     seen = view(TURN, STEP, Box(), (0.2, 0, 0))
     prior = Prior(seen.depth, np.full(seen.depth.shape, 0.1), True)

@@ -134,13 +134,8 @@ def nearness_beside(inside: Mask, own: Array, others: Array, around: Surrounding
 
 def goes_on(first: Mask, second: Mask, flow: Array) -> bool:
     """Return whether motion goes on from one region to another, as it does within a body."""
-    same = goes_on_between(first, second, flow)
+    same = _jumps(*_pairs(first, second), flow) < _SAME_PART * _unit(first.size)
     return len(same) > 0 and bool(same.mean() >= _JOINED)
-
-
-def goes_on_between(first: Mask, second: Mask, flow: Array) -> Mask:
-    """Return of each pair of pixels, up to two apart, whether motion goes on between them."""
-    return _jumps(*_pairs(first, second), flow) < _SAME_PART * _unit(first.size)
 
 
 def grown(region: Mask) -> Mask:

@@ -29,8 +29,9 @@ class Clues:
         rest: ln s at which it lies on the ground as a ball does; None for what is no ball.
         foot: ln s at which the lowest that is seen of it is on the ground; None where no ground is
             below it.
-        tips: Radians by which it turns about neither an upright nor a level axis, and the standard
-            error of its mean flow, likewise; None for what bends, and where no ground is seen.
+        tips: Radians by which it turns about neither an upright nor a level axis, and its flow's
+            noise, likewise, over the root of the share of the frame that it fills (neighbours share
+            errors in large frames); None for what bends, and where no ground is seen.
         beside: ln s at which it is as near as the moving thing that it touches; None if alone.
     """
 

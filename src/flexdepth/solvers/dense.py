@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from flexdepth.solvers.answer import Kind
 from flexdepth.solvers.field import Field, Scales, Terms
 from flexdepth.solvers.levenberg import State, step
-from flexdepth.solvers.world import World
+from flexdepth.solvers.world import World, along_of
 
 Array = NDArray[np.float64]
 
@@ -35,6 +35,9 @@ _LEAST_NOISE = 0.02
 
 _LEAST_LEFT = 0.1
 """The least share of depth's variance that is taken to be left."""
+
+_ON_THE_LINES = 0.5
+"""Flow that strays from the epipolar lines by less of its noise keeps to them, or is exact."""
 
 
 @dataclass(frozen=True)
@@ -75,10 +78,11 @@ def refined_world(world: World, settings: Dense) -> World:
 def _left_spread(world: World, inverse: Array) -> Array:
     """Return the spread of the refined depth of what does not bend.
 
-    What smoothing takes from independent errors it moves depth by: of their variance 1, a smoother
-    that leaves h moves by 1 - h. Errors that neighbours share it leaves as they are, and moves
+    What smoothing takes from independent errors it moves depth by: of their variance v, a smoother
+    that leaves h moves by v - h. Errors that neighbours share it leaves as they are, and moves
     nothing. So what is left is measured, region by region. Where depth moves by more than its
-    spread, that was too small, by as much at least.
+    spread, that was too small, by as much at least. v is 1, as the spread says, but for the static
+    world, which shows it.
     """
     spread = world.shape_spread.copy()
     seen = np.isfinite(spread) & (spread > 0) & (world.inverse_depth > 0) & (inverse > 0)
@@ -88,10 +92,27 @@ def _left_spread(world: World, inverse: Array) -> Array:
         if region.kind is Kind.FLEXIBLE or not own.any():
             continue
         taken = (float(np.median(np.abs(moved[own]))) / 0.6745) ** 2
+        begun = _static_variance(world) if region.kind is Kind.STATIC else 1.0
         spread[world.labels == region.label] *= np.sqrt(
-            max(1 - taken, _LEAST_LEFT * max(1.0, taken))
+            max(begun - taken, _LEAST_LEFT * max(1.0, taken))
         )
     return np.asarray(spread)
+
+
+def _static_variance(world: World) -> float:
+    """Return the variance of the static world's flow, of that which its spread was told.
+
+    Depth's errors come from noise along the epipolar lines, which is as large as that across them.
+    The camera's `noise_factor` is judged by all that is seen, and is too large by what moves by
+    itself. Noise is at least what it was said to be, for errors that neighbours share pass in part
+    for the camera's motion. Flow that was looked for along the lines shows nothing: then 1.
+    """
+    still = world.sight.trusted & (world.labels == 0)
+    across = along_of(world.sight, world.camera).across[still]
+    factor = float(np.median(np.abs(across / world.sight.noise[still]))) / 0.6745
+    if factor < _ON_THE_LINES:
+        return 1.0
+    return (max(1.0, factor) / world.camera.noise_factor) ** 2
 
 
 def _begin(world: World) -> tuple[Field, Terms]:

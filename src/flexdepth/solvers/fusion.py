@@ -11,6 +11,9 @@ Mask = NDArray[np.bool_]
 _LEAST = 1e-4
 """No depth is said to be more certain than this."""
 
+_EXPLAINED = 3.0
+"""Standard deviations of a depth that explain that it differs from another."""
+
 
 def fused(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array, Array]:
     """Return inverse depth, its relative standard deviation, and the other's share of it.
@@ -32,6 +35,24 @@ def fused(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, 
     mean = (certain[0] * logarithm[0] + certain[1] * logarithm[1]) / safe
     inverse = np.where(total > 0, np.exp(mean), np.nan)
     return inverse, np.where(total > 0, 1 / np.sqrt(safe), np.inf), certain[1] / safe
+
+
+def measured_spread(one: tuple[Array, Array], other: tuple[Array, Array]) -> Array:
+    """Return the other's spread, at least what shows of its error: max(σ², d² - (3 σ₁)²).
+
+    d is the logarithm by which the two differ, σ₁ the one's spread: what three of them do not
+    explain is the other's error. So the more wrong the other is, the less `fused` moves the one.
+    Where the one is not known, nothing shows.
+
+    Args:
+        one: Inverse depth, NaN where unknown, and its relative standard deviation.
+        other: Likewise.
+    """
+    known = [np.isfinite(inverse) & (inverse > 0) for inverse, _ in (one, other)]
+    both = known[0] & known[1]
+    apart = np.log(np.where(both, one[0], 1.0) / np.where(both, other[0], 1.0))
+    shown = apart**2 - (_EXPLAINED * one[1]) ** 2
+    return np.sqrt(np.maximum(other[1] ** 2, shown))
 
 
 def certainty(spread: Array, where: Mask) -> Array:

@@ -63,9 +63,9 @@ median, and the deviation of its logarithm."""
 _JOINT = 0.1
 """The deviation of ln s between parts of a body that touch."""
 
-_UPRIGHT = (0.003, 400.0)
-"""The deviation of the radians by which what is on the ground tips over: at least, and in the
-standard error of its mean flow. (A turn about a level axis looks much like a rise.)"""
+_UPRIGHT = (0.003, 3.0)
+"""The deviation of the radians by which what is on the ground tips over: at least, and in those by
+which its flow is uncertain. (A turn about a level axis looks much like a rise.)"""
 
 _TUMBLES = 0.1
 """The typical radians by which what is in the air does."""

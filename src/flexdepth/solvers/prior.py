@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdepth.solvers.answer import Evidence, Region
-from flexdepth.solvers.fusion import common_factor, fused
+from flexdepth.solvers.fusion import common_factor, fused, measured_spread
 from flexdepth.solvers.seen import Prior, Seen
 from flexdepth.solvers.world import World
 
@@ -41,8 +41,10 @@ _UNTIED = (
 def with_prior(world: World, seen: Seen, prior: Prior) -> World:
     """Return the world with the prior's part in it.
 
-    How far the prior's shapes err is measured where geometry sees them, if that is more than it
-    says: it is to help where geometry does not see, and not to spoil what it does.
+    How far the prior's shapes err is measured where geometry sees them, over the frame and at each
+    pixel, if that is more than it says: it is to help where geometry does not see, and not to
+    spoil what it does. A far wall, which geometry sees least surely, is where the prior errs most,
+    and all of the wall alike.
 
     Where the camera has stayed, all depth is the prior's, in its own unit. Where it has not, and
     nothing tells that unit in the camera's way, the prior tells of sky alone.
@@ -69,9 +71,9 @@ def with_prior(world: World, seen: Seen, prior: Prior) -> World:
         scale, told = _weighed(region, (own, said * unit), np.where(inside, 1 / doubt**2, 0.0))
         shape = common_factor(said, own * scale, inside / np.maximum(world.shape_spread, 0.02) ** 2)
         factor = unit if shape is None else shape[0]
-        depths = fused(
-            (own * scale, world.shape_spread), (said * factor, np.maximum(doubt, strays))
-        )
+        shown = (own * scale, world.shape_spread)
+        likely = (said * factor, np.maximum(doubt, strays))
+        depths = fused(shown, (likely[0], measured_spread(shown, likely)))
         for out, values in zip((inverse, spread, share), depths, strict=True):
             out[inside] = values[inside]
         translation[inside] /= scale

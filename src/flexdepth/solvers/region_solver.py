@@ -238,12 +238,12 @@ def _clues(
 
 
 def _tips(sight: Sight, stage: _Stage, thing: Thing, inside: Mask) -> tuple[float, float] | None:
-    """Return how far a rigid thing tips over, and the standard error of its mean flow: radians."""
+    """Return how far a rigid thing tips over, and how uncertain its flow is, as `Clues` has it."""
     if thing.kind is not Kind.RIGID or stage.floor is None:
         return None
     noise = stage.camera.noise_factor * float(np.median(sight.noise[inside]))
     tips = tipping(thing.motions[0].pose, stage.camera.pose, stage.floor)
-    return tips, noise / float(np.sqrt(inside.sum()) * sight.focal.mean())
+    return tips, noise / float(np.sqrt(inside.mean()) * sight.focal.mean())
 
 
 def _foot(inside: Mask, own: Array, floor: Array) -> float | None:
