@@ -129,6 +129,14 @@ def test_what_hides_its_foot_is_nearer_than_the_ground_at_its_lowest_visible_par
         assert scale.confidence < 0.3
 
 
+def test_where_ground_is_seen_all_along_below_a_thing_its_foot_is_hardly_hidden():
+    seen, covered = (
+        places(clues(foot=foot, beneath=0.0), HABITS[Kind.RIGID])[1][3] for foot in (True, False)
+    )
+    assert covered.max() > 0
+    np.testing.assert_allclose(seen, 0.3 * covered)
+
+
 def test_what_hides_its_foot_has_the_scale_at_which_it_moves_level():
     # a = (.9, .3, .2) rises by .3 / s - .2: it is level at s = 1.5, ln s = .41.
     rising = np.array([0.9, 0.3, 0.2])

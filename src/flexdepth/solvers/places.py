@@ -47,6 +47,9 @@ _BELOW, _DEEP = 0.47, 0.4
 """How much nearer than the ground at its lowest visible part a thing is whose foot is hidden, in
 ln s, and the deviation."""
 
+_COVERED = 0.3
+"""How often ground seems to be seen all along below what hides its foot."""
+
 _OVER, _LOOSE = 0.7, 0.6
 """What is in the air is nearer than what it hides by about this, in ln s, and its deviation."""
 
@@ -89,6 +92,8 @@ def places(clues: Clues, habits: Habits) -> tuple[Array, list[Array]]:
     standing = nowhere if contact is None else rests * _touching(grid - contact[0], contact[1])
     hangs = nowhere if attached is None else normal(grid - attached, habits.contact)
     hidden = nowhere if clues.foot is None else rests * _hidden(grid - clues.foot)
+    if contact is not None and contact[1] < _VAGUE:
+        hidden = _COVERED * hidden
     if bound is None:
         flying = flies * normal(grid - clues.typical - _OVER, 1.0)
         return grid, [standing, hangs, flying, hidden]
