@@ -10,8 +10,8 @@ def estimate(inverse, spread):
     return np.array([inverse]), np.array([spread])
 
 
-# .25 - .09 = .4²; .3 is just what three deviations of .1 explain.
-@pytest.mark.parametrize(("apart", "shown"), [(0.0, 0.2), (0.3, 0.2), (0.5, 0.4), (-0.5, 0.4)])
+# 1 - .36 = .8²; .6 is just what six deviations of .1 explain.
+@pytest.mark.parametrize(("apart", "shown"), [(0.0, 0.2), (0.6, 0.2), (1.0, 0.8), (-1.0, 0.8)])
 def test_what_one_depth_does_not_explain_is_the_others_error(apart, shown):
     found = measured_spread(estimate(2.0, 0.1), estimate(2.0 * np.exp(apart), 0.2))
     np.testing.assert_allclose(found, shown, rtol=1e-12)
@@ -37,5 +37,5 @@ def test_the_more_wrong_another_depth_is_the_less_it_moves_what_is_seen():
         other = estimate(np.exp(apart), 0.15)
         inverse, _, _ = fused(seen, (other[0], measured_spread(seen, other)))
         moves.append(float(np.log(inverse[0])))
-    # apart · .05² / (.05² + σ²) with σ² = .15² (.0175 is less), .1375 and .6175.
-    np.testing.assert_allclose(moves, [0.02, 0.4 / 56, 0.8 / 248], rtol=1e-9)
+    # apart · .05² / (.05² + σ²) with σ² = .15², .07 and .55.
+    np.testing.assert_allclose(moves, [0.02, 0.4 / 29, 0.8 / 221], rtol=1e-9)

@@ -11,8 +11,9 @@ Mask = NDArray[np.bool_]
 _LEAST = 1e-4
 """No depth is said to be more certain than this."""
 
-_EXPLAINED = 3.0
-"""Standard deviations of a depth that explain that it differs from another."""
+_EXPLAINED = 6.0
+"""Standard deviations of a depth that explain that it differs from another: the spread of what
+estimated flow shows may be told too small by half."""
 
 
 def fused(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array, Array]:
@@ -38,9 +39,9 @@ def fused(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, 
 
 
 def measured_spread(one: tuple[Array, Array], other: tuple[Array, Array]) -> Array:
-    """Return the other's spread, at least what shows of its error: max(σ², d² - (3 σ₁)²).
+    """Return the other's spread, at least what shows of its error: max(σ², d² - (6 σ₁)²).
 
-    d is the logarithm by which the two differ, σ₁ the one's spread: what three of them do not
+    d is the logarithm by which the two differ, σ₁ the one's spread: what six of them do not
     explain is the other's error. So the more wrong the other is, the less `fused` moves the one.
     Where the one is not known, nothing shows.
 
