@@ -42,15 +42,17 @@ class Epipolar:
 
     def residuals(self, state: Pose) -> Array:
         """Return n x 1."""
-        product, length, _, _ = self._parts(essential(state))
+        product, *lines = self._parts(essential(state))
+        length = _length(*lines)
         return np.asarray(product / length / self.noise * np.sqrt(2))[:, None]
 
     def jacobian(self, state: Pose) -> Array:
         """Return n x 1 x 5: with r = p / l, dr = (dp - r dl) / l."""
-        product, length, in_target, in_key = self._parts(essential(state))
+        product, in_target, in_key = self._parts(essential(state))
+        length = _length(in_target, in_key)
         columns = []
         for change in _changes(state):
-            along, _, target_change, key_change = self._parts(change)
+            along, target_change, key_change = self._parts(change)
             longer = (dot(in_target, target_change) + dot(in_key, key_change)) / length
             columns.append((along - product / length * longer) / length)
         stacked = np.stack(columns, axis=1) / self.noise[:, None] * np.sqrt(2)
@@ -61,17 +63,21 @@ class Epipolar:
         direction = state.translation + step[3:] @ tangents(state.translation)
         return Pose(turned(state.rotation, step[:3]), direction / np.linalg.norm(direction))
 
-    def _parts(self, matrix: Array) -> tuple[Array, Array, Array, Array]:
-        """Return yᵀ E x, the length of its gradient by the four pixels, and both lines."""
+    def _parts(self, matrix: Array) -> tuple[Array, Array, Array]:
+        """Return yᵀ E x and its gradient by the pixels in the target and in the key frame."""
         line = self.target_lines(matrix)
         in_target = line[:, :2] / self.focal
         in_key = (self.target @ matrix)[:, :2] / self.focal
-        square = dot(in_target, in_target) + dot(in_key, in_key)
-        return dot(self.target, line), np.sqrt(square + _NEVER), in_target, in_key
+        return dot(self.target, line), in_target, in_key
 
     def target_lines(self, matrix: Array) -> Array:
         """Return the epipolar lines E x in the target frame."""
         return np.asarray(self.key @ matrix.T)
+
+
+def _length(in_target: Array, in_key: Array) -> Array:
+    """Return the length of the gradient by all four pixels."""
+    return np.asarray(np.sqrt(dot(in_target, in_target) + dot(in_key, in_key) + _NEVER))
 
 
 def essential(pose: Pose) -> Array:

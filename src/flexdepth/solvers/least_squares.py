@@ -63,10 +63,11 @@ def refined(problem: Problem[State], state: State, scale: float, steps: int = 50
         steps: The most that are taken.
     """
     damping = 1e-6
-    square = squares(problem, state)
+    residuals = problem.residuals(state)
+    square = dot(residuals, residuals)
     for _ in range(steps):
         before = cost(square, scale)
-        residuals, jacobian = problem.residuals(state), problem.jacobian(state)
+        jacobian = problem.jacobian(state)
         weighted = (jacobian * weights(square, scale)[:, None, None]).reshape(residuals.size, -1)
         normal = weighted.T @ jacobian.reshape(weighted.shape)
         gradient = weighted.T @ residuals.ravel()
@@ -74,13 +75,14 @@ def refined(problem: Problem[State], state: State, scale: float, steps: int = 50
         while damping <= _LARGEST_DAMPING:
             step = -np.asarray(np.linalg.solve(normal + damping * ridge, gradient), np.float64)
             candidate = problem.moved(state, step)
-            candidate_square = squares(problem, candidate)
+            left = problem.residuals(candidate)
+            candidate_square = dot(left, left)
             if cost(candidate_square, scale) < before:
                 break
             damping *= 10
         else:
             return state
-        state, square = candidate, candidate_square
+        state, residuals, square = candidate, left, candidate_square
         damping = max(damping / 10, _SMALLEST_DAMPING)
         if before - cost(square, scale) <= _CONVERGED * before:
             return state
