@@ -3,7 +3,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from flexdepth.solvers.least_squares import cost, refined, squares, weights
+from flexdepth.solvers.least_squares import cost, deviation, refined, squares, weights
 
 
 @dataclass(frozen=True)
@@ -68,3 +68,8 @@ def test_weights_are_the_slope_of_the_cost():
 def test_what_no_residual_depends_on_stays_where_it_is():
     found = refined(Line(np.zeros(9), np.ones(9)), np.array([5.0, 0.0]), scale=3)
     np.testing.assert_allclose(found, (5, 1), atol=1e-6)
+
+
+def test_the_deviation_is_that_of_a_normal_variable_whatever_a_few_values_are():
+    # Half of a normal variable's values are within .6745 of its deviations.
+    assert deviation(2 * np.array([0.1, -0.5, 0.6745, -3.0, 1e9])) == pytest.approx(2.0)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdepth.solvers.ground import Ground
-from flexdepth.solvers.pose import Pose
+from flexdepth.solvers.pose import Pose, own_motion
 
 Array = NDArray[np.float64]
 
@@ -53,8 +53,7 @@ class Ball:
 
     def moved(self, motion: Pose, camera: Pose) -> Array:
         """Return how its middle moves, the camera's turning undone."""
-        there = motion.rotation @ self.middle + motion.translation
-        return np.asarray(camera.rotation.T @ there - self.middle)
+        return own_motion(self.middle, motion, camera)
 
 
 def ball(points: Array, size: float) -> Ball | None:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from flexdepth.solvers.answer import Kind
 from flexdepth.solvers.field import Field, Scales, Terms
+from flexdepth.solvers.least_squares import deviation
 from flexdepth.solvers.levenberg import State, step
 from flexdepth.solvers.world import World, along_of
 
@@ -91,7 +92,7 @@ def _left_spread(world: World, inverse: Array) -> Array:
         own = world.labels[seen] == region.label
         if region.kind is Kind.FLEXIBLE or not own.any():
             continue
-        taken = (float(np.median(np.abs(moved[own]))) / 0.6745) ** 2
+        taken = deviation(moved[own]) ** 2
         begun = _static_variance(world) if region.kind is Kind.STATIC else 1.0
         spread[world.labels == region.label] *= np.sqrt(
             max(begun - taken, _LEAST_LEFT * max(1.0, taken))
@@ -109,7 +110,7 @@ def _static_variance(world: World) -> float:
     """
     still = world.sight.trusted & (world.labels == 0)
     across = along_of(world.sight, world.camera).across[still]
-    factor = float(np.median(np.abs(across / world.sight.noise[still]))) / 0.6745
+    factor = deviation(across / world.sight.noise[still])
     if factor < _ON_THE_LINES:
         return 1.0
     return (max(1.0, factor) / world.camera.noise_factor) ** 2

@@ -15,7 +15,7 @@ from flexdepth.solvers import ransac
 from flexdepth.solvers.correspondences import Correspondences
 from flexdepth.solvers.criterion import COMPLEXITY, MotionKind, gric
 from flexdepth.solvers.epipolar import Epipolar, poses
-from flexdepth.solvers.least_squares import cost, refined, squares
+from flexdepth.solvers.least_squares import MEDIAN_OF_NORMAL, cost, refined, squares
 from flexdepth.solvers.pose import Pose, angle
 from flexdepth.solvers.transfer import Planar, Transfer, Turning, first_rotation, plane_motions
 from flexdepth.solvers.two_view import seen_along
@@ -36,9 +36,6 @@ _CLEAR = 2.0
 
 _TELLING = 0.01
 """The share of all matches that overrules the smaller turn before a plane."""
-
-_MEDIAN_OF_NORMAL = 0.6745
-"""The median of a normal variable's magnitude, in standard deviations."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +108,7 @@ def camera_motion(seen: Correspondences) -> CameraMotion:
 
 def _noise_factor(square: Array) -> float:
     """Return the residuals' standard deviation, from their median, where it is above 1."""
-    return max(1.0, float(np.sqrt(np.median(square))) / _MEDIAN_OF_NORMAL)
+    return max(1.0, float(np.sqrt(np.median(square))) / MEDIAN_OF_NORMAL)
 
 
 def _fits(epipolar: Epipolar, general: Pose) -> _Fits:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdepth.solvers.regions import weighted_median
+from flexdepth.solvers.regions import weighted_deviation, weighted_median
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -77,5 +77,5 @@ def common_factor(one: Array, other: Array, certain: Array) -> tuple[float, floa
         return None
     ratio = np.log(other[both] / one[both])
     middle = weighted_median(ratio, certain[both])
-    off = weighted_median(np.abs(ratio - middle), certain[both]) / 0.6745
+    off = weighted_deviation(ratio - middle, certain[both])
     return float(np.exp(middle)), off / np.sqrt(min(10.0, float(both.sum())))

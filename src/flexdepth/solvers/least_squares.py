@@ -12,6 +12,9 @@ _LARGEST_DAMPING = 1e8
 _SMALLEST_DAMPING = 1e-12
 _CONVERGED = 1e-9
 
+MEDIAN_OF_NORMAL = 0.6745
+"""The median of a normal variable's magnitude, in standard deviations."""
+
 
 class Problem(Protocol[State]):
     """n residuals of k components, in standard deviations of their noise, and p unknowns."""
@@ -38,6 +41,11 @@ def squares(problem: Problem[State], state: State) -> Array:
     """Return |r|² of each of the n residuals."""
     residuals = problem.residuals(state)
     return dot(residuals, residuals)
+
+
+def deviation(values: Array) -> float:
+    """Return the standard deviation about 0 of a normal variable, from the median magnitude."""
+    return float(np.median(np.abs(values))) / MEDIAN_OF_NORMAL
 
 
 def weights(square: Array, scale: float) -> Array:

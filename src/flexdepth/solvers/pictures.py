@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdepth.solvers.ego_motion import CameraMotion
+from flexdepth.solvers.least_squares import deviation
 from flexdepth.solvers.pieces import Labels
 from flexdepth.solvers.sight import Sight
 from flexdepth.solvers.two_view import seen_along
@@ -43,8 +44,8 @@ def told_by_pictures(
     known = sight.trusted & np.isfinite(off[0]) & np.isfinite(off[1])
     if not known.any():
         return labels
-    deviation = max(_LEAST, float(np.median(off[0][known])) / 0.6745)
-    moved, stood = (np.minimum(each[known] / deviation, _CUT) ** 2 for each in off)
+    typical = max(_LEAST, deviation(off[0][known]))
+    moved, stood = (np.minimum(each[known] / typical, _CUT) ** 2 for each in off)
     pixels = np.bincount(labels[known], minlength=int(labels.max()) + 1)
     worse = np.bincount(labels[known], stood - moved, minlength=len(pixels))
     told = worse > _WORSE * np.maximum(pixels, 1)

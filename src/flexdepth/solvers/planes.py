@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdepth.solvers.answer import TwoFrame, Unknown
+from flexdepth.solvers.least_squares import deviation
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -86,7 +87,7 @@ def _plane(nearness: Array, seen: Mask, hole: Mask) -> tuple[Array, float]:
         weights = np.sqrt(scale / (scale + off))
     middle = float(np.median(values))
     least, most = np.quantile(values, _EXTREMES)
-    return np.clip(_places(hole) @ plane, least, most), float(np.median(off)) / 0.6745 / middle
+    return np.clip(_places(hole) @ plane, least, most), deviation(off) / middle
 
 
 def _places(inside: Mask) -> Array:

@@ -44,6 +44,18 @@ def angle(rotation: Array) -> float:
     return float(np.arctan2(sine, (np.trace(rotation) - 1) / 2))
 
 
+def own_motion(place: Array, motion: Pose, camera: Pose) -> Array:
+    """Return how a point of a thing moves in the key camera, the camera's turning undone.
+
+    Args:
+        place: X, 3 numbers.
+        motion: The thing's.
+        camera: The camera's.
+    """
+    there = motion.rotation @ place + motion.translation
+    return np.asarray(camera.rotation.T @ there - place)
+
+
 def tangents(unit: Array) -> Array:
     """Return orthonormal rows that span what is orthogonal to a unit vector."""
     return np.linalg.svd(unit[None])[2][1:]

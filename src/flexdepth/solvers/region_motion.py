@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from flexdepth.solvers import ransac
 from flexdepth.solvers.answer import Kind
 from flexdepth.solvers.epipolar import poses
-from flexdepth.solvers.least_squares import dot, weights
+from flexdepth.solvers.least_squares import deviation, dot, weights
 from flexdepth.solvers.pose import Pose, cross, turned
 from flexdepth.solvers.two_view import seen_along
 
@@ -164,8 +164,7 @@ def explained(pixels: Pixels, pose: Pose, floor: float) -> bool:
     noise = float(np.sqrt(np.mean(pixels.noise**2)))
     inverse = seen_along(pixels.key, pixels.target, pose, pixels.focal).inverse_depth
     middle = float(np.median(np.where(np.isfinite(inverse), inverse, -1.0)))
-    off = float(np.median(np.abs(left.across))) / 0.6745
-    return off < _RIGID * max(noise, 2 * floor) and 0.5 < middle < 2
+    return deviation(left.across) < _RIGID * max(noise, 2 * floor) and 0.5 < middle < 2
 
 
 def _flat_shift(pixels: Pixels, rotation: Array) -> Array:

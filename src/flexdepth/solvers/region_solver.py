@@ -217,8 +217,10 @@ def _clues(
     points = sight.key[inside] / own[inside][:, None]
     turn = own_turn(thing, pose)
     sphere = ball(points, size) if thing.kind is Kind.RIGID else None
-    moved, unsure = middle_motion(thing, counts, middles, pose), wobble(thing, sight, labels, turn)
-    if sphere is not None:
+    if sphere is None:
+        moved = middle_motion(thing, counts, middles, pose)
+        unsure = wobble(thing, sight, labels, turn)
+    else:
         moved, unsure = sphere.moved(thing.motions[0].pose, pose), sphere.wobble(turn)
     clues = Clues(
         kind=thing.kind,

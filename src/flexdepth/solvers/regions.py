@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdepth.solvers.least_squares import MEDIAN_OF_NORMAL
 from flexdepth.solvers.pieces import Labels, Neighbours, neighbours
 from flexdepth.solvers.two_view import Along
 
@@ -103,7 +104,7 @@ def moving_regions(
     moves = _closed(_grown(surprise, pairs), pairs)
     area = np.bincount(labels.ravel(), minlength=count).astype(np.float64)
     number = _with_small(_objects(moves, pairs, area), moves, pairs)
-    return Moving(number[labels], max(_OFF, _strays(middle, pixels)))
+    return Moving(number[labels], max(_OFF, weighted_deviation(middle, pixels)))
 
 
 def _surprise(off: Array, pixels: Array, noise: Array, least: float) -> Array:
@@ -115,13 +116,8 @@ def _surprise(off: Array, pixels: Array, noise: Array, least: float) -> Array:
         noise: Their flow's typical standard deviation, pixels.
         least: Pixels by which such medians stray at least.
     """
-    least = max(_LEAST, least, _strays(off, pixels))
+    least = max(_LEAST, least, weighted_deviation(off, pixels))
     return np.asarray(off / np.hypot(least, _MEDIAN * noise / np.sqrt(np.maximum(pixels, 1))))
-
-
-def _strays(off: Array, pixels: Array) -> float:
-    """Return the standard deviation of most of the pieces, each as often as it has pixels."""
-    return weighted_median(np.abs(off), pixels) / 0.6745
 
 
 def medians(groups: NDArray[np.int32], values: Array, count: int) -> Array:
@@ -139,6 +135,11 @@ def weighted_median(values: Array, weights: Array) -> float:
     summed = np.cumsum(weights[order])
     at = int(np.searchsorted(summed, summed[-1] / 2))
     return float(values[order][min(at, len(values) - 1)])
+
+
+def weighted_deviation(values: Array, weights: Array) -> float:
+    """Return the standard deviation about 0 of a normal variable, from the median magnitude."""
+    return weighted_median(np.abs(values), weights) / MEDIAN_OF_NORMAL
 
 
 def _grown(surprise: Array, pairs: Neighbours) -> Mask:

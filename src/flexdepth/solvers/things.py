@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from flexdepth.solvers.answer import Kind
 from flexdepth.solvers.borders import goes_on, grown
 from flexdepth.solvers.pieces import Labels
-from flexdepth.solvers.pose import Pose, angle
+from flexdepth.solvers.pose import Pose, angle, own_motion
 from flexdepth.solvers.region_motion import (
     RegionMotion,
     explained,
@@ -167,13 +167,10 @@ def middle_motion(thing: Thing, counts: Array, rays: Array, camera: Pose) -> Arr
         rays: The mean ray of each.
         camera: The camera's own motion.
     """
-    back = camera.rotation.T
     moved = []
     for motion, ray in zip(thing.motions, rays, strict=True):
         rim = np.quantile(motion.inverse_depth, 0.1) if motion.kind is Kind.RIGID else 1.0
-        place = ray / rim
-        there = motion.pose.rotation @ place + motion.pose.translation
-        moved.append(back @ there - place)
+        moved.append(own_motion(ray / rim, motion.pose, camera))
     return np.asarray(np.average(moved, axis=0, weights=counts))
 
 
