@@ -62,6 +62,10 @@ def is_typed(line):
         (["train", "compact", "--data.root", "nowhere"], "nowhere/image: no such folder"),
         (["export", "nothing.safetensors", "-o", "x.onnx"], "nothing.safetensors: no such check"),
         (
+            ["export", "nothing.safetensors", "-o", "x.onnx", "--depth-factor", "-1"],
+            "--depth-factor: a number above 0 was wanted, got -1",
+        ),
+        (
             ["export", "nothing.safetensors", "-o", "x.onnx", "--spread-factor", "0"],
             "--spread-factor: a number above 0 was wanted, got 0",
         ),

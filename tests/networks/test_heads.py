@@ -57,3 +57,12 @@ def test_the_prediction_says_what_the_logits_are_of():
     assert prediction.beyond is None
     assert_close(prediction.depth, depth)
     assert_close(prediction.logits, logits)
+
+
+def test_a_stretched_depth_is_so_many_times_what_it_was_and_the_sky_stays():
+    head, features = LogDepth(farthest=400.0).build(4), torch.randn(2, 4, 6, 8)
+    depth, sky = head(features)
+    head.stretch(1.25)
+    farther, same = head(features)
+    assert_close(farther, 1.25 * depth)
+    assert_close(same, sky)

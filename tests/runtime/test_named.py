@@ -12,8 +12,9 @@ from flexdepth.runtime.depthmap import FocalSource, Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.foreign import ForeignPredictor
 from flexdepth.runtime.lens import FocalLength
+from flexdepth.runtime.looks import mirrored_too
 from flexdepth.runtime.named import Wishes, named_estimator
-from flexdepth.runtime.predictor import Predictor, mirrored_too
+from flexdepth.runtime.predictor import Predictor
 
 onnx = pytest.importorskip("onnx")
 
@@ -224,9 +225,9 @@ def test_a_card_s_licence_is_told_where_it_forbids_commercial_use(make_network):
 @pytest.mark.parametrize(
     ("wishes", "said"),
     [
-        (Wishes(look=mirrored_too), "--flip, --look, --details and --tiles"),
-        (Wishes(details=2), "--flip, --look, --details and --tiles"),
-        (Wishes(tiles=2), "--flip, --look, --details and --tiles"),
+        (Wishes(look=mirrored_too), "--looks, --look, --details and --tiles"),
+        (Wishes(details=2), "--looks, --look, --details and --tiles"),
+        (Wishes(tiles=2), "--looks, --look, --details and --tiles"),
         (Wishes(long_side=64), "--long-side: .*net.yaml says that the network has one size, 8 x 6"),
     ],
 )

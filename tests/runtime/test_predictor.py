@@ -8,8 +8,9 @@ from flexdepth.runtime.depthmap import FocalSource, Space
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.images import Photo
 from flexdepth.runtime.lens import FieldOfView, FocalLength
+from flexdepth.runtime.looks import mirrored_too, once
 from flexdepth.runtime.model import load_model
-from flexdepth.runtime.predictor import Predictor, mirrored_too, once, photo_of
+from flexdepth.runtime.predictor import Predictor, photo_of
 
 
 @pytest.fixture

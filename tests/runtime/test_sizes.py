@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from flexdepth.runtime.bundle import Description
 from flexdepth.runtime.depthmap import Space
 from flexdepth.runtime.errors import InputError
-from flexdepth.runtime.sizes import network_size
+from flexdepth.runtime.sizes import network_size, times_larger
 
 ABOUT = Description("compact", "0.1.0", "MIT", Space.METRIC, (384, 288), 32, 0.8, "a test")
 AREA = 384 * 288
@@ -78,3 +78,18 @@ def test_the_smallest_area_still_holds_one_multiple():
 def test_of_two_sizes_with_the_right_aspect_that_of_the_nearer_area_is_taken():
     about = Description("x", "1", "MIT", Space.METRIC, (350, 350), 32, 0.8, "a test")
     assert network_size(1000, 1000, about) == (352, 352)
+
+
+@pytest.mark.parametrize(
+    ("size", "times", "wanted"),
+    [
+        ((384, 288), 1, (384, 288)),
+        ((384, 288), 2 / 3, (256, 192)),
+        ((384, 288), 4 / 3, (512, 384)),
+        ((608, 192), 2 / 3, (416, 128)),
+        ((32, 3456), 1, (32, 3456)),
+        ((32, 32), 2 / 3, (32, 32)),
+    ],
+)
+def test_another_size_keeps_the_aspect_as_nearly_as_multiples_allow(size, times, wanted):
+    assert times_larger(size, times, 32) == wanted

@@ -5,8 +5,9 @@ from hypothesis import strategies as st
 
 from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.images import Photo
+from flexdepth.runtime.looks import once
 from flexdepth.runtime.model import load_model
-from flexdepth.runtime.predictor import Predictor, once
+from flexdepth.runtime.predictor import Predictor
 from flexdepth.runtime.sizes import resized
 from flexdepth.runtime.tiles import Seen, closer, joined, strips, tiling
 

@@ -106,9 +106,11 @@ class Evaluate(Generic[Data]):
     """Score no truth beyond this, instead of the protocol's end."""
     averaging: Annotated[Averaging | None, _Shown] = None
     """How images become one number, instead of the protocol's way; `pixels` pools them."""
-    look: Annotated[Literal["once", "flip", "flip-mean", "flip-ramp"] | None, _Shown] = None
+    look: Annotated[Literal["once", "flip", "flip-mean", "flip-ramp", "sizes"] | None, _Shown] = (
+        None
+    )
     """How a model looks: once, or in a mirror too, and the geometric mean, the mean, or
-    monodepth's ramps of both. Without it, as in `flexdepth predict`: flip."""
+    monodepth's ramps of both, or at three sizes. Without it, as in `flexdepth predict`: sizes."""
     long_side: Annotated[int | None, tyro.conf.arg(metavar="PIXELS", help_behavior_hint="")] = None
     """Longer side of what a model sees."""
     output_dir: Annotated[

@@ -40,6 +40,8 @@ class Export:
     scale_spread: float | None = None
     """Relative standard deviation of metres by one factor for a whole map, as
     `benchmarks/certainty.py` measures it."""
+    depth_factor: float = 1.0
+    """What every pixel's depth is multiplied by, where metres come out too small or too large."""
     spread_factor: float = 1.0
     """What every pixel's spread is multiplied by, as `benchmarks/certainty.py` measures it."""
     area: tuple[int, int] = (384, 288)
@@ -50,16 +52,19 @@ def run(arguments: Sequence[str]) -> int:
     """Export the checkpoint that `arguments` name."""
     with told_in_one_line("flexdepth export"):
         settings = tyro.cli(Export, args=arguments, prog="flexdepth export")
-    if not is_positive(settings.spread_factor):
-        raise InputError(
-            f"--spread-factor: a number above 0 was wanted, got {settings.spread_factor:g}"
-        )
+    for name, factor in (
+        ("--depth-factor", settings.depth_factor),
+        ("--spread-factor", settings.spread_factor),
+    ):
+        if not is_positive(factor):
+            raise InputError(f"{name}: a number above 0 was wanted, got {factor:g}")
     network = trained_network(settings.checkpoint)
     if not isinstance(network, CompactNetwork):
         raise InputError(
             f"{settings.checkpoint}: a bundle is made of the network Compact, "
             f"this is {type(network.settings).__name__}"
         )
+    network.head.stretch(settings.depth_factor)
     network.spread.widen(settings.spread_factor)
     description = Description(
         name=settings.name,

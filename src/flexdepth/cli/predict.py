@@ -18,11 +18,13 @@ from flexdepth.runtime.inputs import find_inputs
 from flexdepth.runtime.job import Job, failure
 from flexdepth.runtime.lens import FieldOfView, FocalLength, Lens
 from flexdepth.runtime.licences import remark
+from flexdepth.runtime.looks import at_three_sizes, mirrored_too, once
 from flexdepth.runtime.named import BUNDLED, Wishes, named_estimator
 from flexdepth.runtime.outputs import DEPTH, MESH, NORMALS, POINTS, PREVIEW, Output
-from flexdepth.runtime.predictor import once
 from flexdepth.runtime.run import results, without_clashes
 from flexdepth.runtime.session import Provider
+
+_LOOKS = {1: once, 2: mirrored_too, 3: at_three_sizes}
 
 _Flag = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(help_behavior_hint="")]
 
@@ -76,8 +78,9 @@ class Predict:
     """For the detail of large photos: look at N overlapping tiles along the longer side too, and
     at as many along the other as make them nearly square. The large shape stays that of the whole.
     4 means 13 looks at a photo instead of one. Small photos have fewer tiles, or none."""
-    flip: Annotated[bool, tyro.conf.arg(help_behavior_hint="")] = True
-    """Look at each picture in a mirror too, and take the mean: steadier, and a little slower."""
+    looks: Annotated[Literal[1, 2, 3] | None, tyro.conf.arg(help_behavior_hint="(3)")] = None
+    """Looks at each whole picture, whose mean is taken: 1, 2, the other in a mirror, or 3, at three
+    sizes: steadier and nearer to the truth, and a little slower."""
     model: Annotated[str, tyro.conf.arg(metavar="MODEL", help_behavior_hint="")] = BUNDLED[0]
     """Another model than the one that comes with flexdepth: an .onnx bundle, any .onnx network with
     a .yaml card beside it, or hub:NAME (docs/models.md)."""
@@ -148,7 +151,7 @@ def _wishes(settings: Predict) -> Wishes:
     return Wishes(
         _lens(settings),
         settings.long_side,
-        None if settings.flip else once,
+        None if settings.looks is None else _LOOKS[settings.looks],
         settings.details,
         settings.tiles,
         settings.provider,

@@ -15,6 +15,7 @@ from flexdepth.experiments.experiment import Experiment, ImageNet, Labels
 from flexdepth.experiments.held_out import with_own_held_out
 from flexdepth.experiments.run import run_experiment
 from flexdepth.runtime.errors import InputError
+from flexdepth.training.memory import keep_freed_memory
 from flexdepth.training.semi_supervised import Agreement
 
 _PAGE = """\
@@ -88,6 +89,7 @@ def run(arguments: Sequence[str]) -> int:
         teacher = start_of(settings.teacher, "--teacher")
         labels = Labels(settings.unlabelled, teacher, Agreement(settings.agreement))
         experiment = replace(experiment, labels=labels)
+    keep_freed_memory()
     run_experiment(experiment, settings.output_dir, settings.processes, _say)
     return 0
 

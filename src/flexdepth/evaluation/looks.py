@@ -1,7 +1,7 @@
 """The ways of looking twice, once in a mirror, that published figures were made with.
 
-Each is a `flexdepth.runtime.predictor.Look`: a network and pictures to an answer. The runtime's
-own, `mirrored_too`, takes the geometric mean.
+Each is a `flexdepth.runtime.looks.Look`. The runtime's own, `mirrored_too`, takes the geometric
+mean.
 """
 
 from collections.abc import Mapping
@@ -10,26 +10,29 @@ from types import MappingProxyType
 import numpy as np
 
 from flexdepth.runtime.answer import Answer, Reals
+from flexdepth.runtime.looks import Look, Shown, at_three_sizes, in_mirror, mirrored_too, once
 from flexdepth.runtime.model import Model
-from flexdepth.runtime.predictor import Look, in_mirror, mirrored_too, once
 
 _ONE, _TWO = np.float32(1), np.float32(2)
 
 
-def mean_of_mirrored(model: Model, images: Reals) -> Answer:
+def mean_of_mirrored(model: Model, shown: Shown) -> Answer:
     """Return the mean of the depths of two looks.
 
     References:
         Lee et al., BTS, 2019, and AdaBins' evaluate.py; the latter clips each look first.
     """
+    images = shown(1)
     seen, mirrored = model.run(images), in_mirror(model, images)
-    return seen.joined(mirrored, (seen.depth + mirrored.depth) / _TWO)
+    return Answer.joined([seen, mirrored], (seen.depth + mirrored.depth) / _TWO)
 
 
-def ramp_of_mirrored(model: Model, images: Reals) -> Answer:
+def ramp_of_mirrored(model: Model, shown: Shown) -> Answer:
     """Return monodepth's post-processing (_PP) of two looks, which it does in disparity."""
+    images = shown(1)
     seen, mirrored = model.run(images), in_mirror(model, images)
-    return seen.joined(mirrored, _ONE / blended(_ONE / seen.depth, _ONE / mirrored.depth))
+    depth = _ONE / blended(_ONE / seen.depth, _ONE / mirrored.depth)
+    return Answer.joined([seen, mirrored], depth)
 
 
 def blended(seen: Reals, mirrored: Reals) -> Reals:
@@ -59,6 +62,7 @@ LOOKS: Mapping[str, Look] = MappingProxyType(
         "flip": mirrored_too,
         "flip-mean": mean_of_mirrored,
         "flip-ramp": ramp_of_mirrored,
+        "sizes": at_three_sizes,
     }
 )
 """How a network looks at a picture, by name."""

@@ -61,6 +61,11 @@ class LogDepthHead(nn.Module):
         near, far = log(self.settings.nearest), log(self.settings.farthest)
         return (log_depth + log(self.settings.typical)).clamp(near, far).exp(), sky_logit
 
+    def stretch(self, factor: float) -> None:
+        """Multiply every depth by a factor above 0, within the nearest and the farthest."""
+        with torch.no_grad():
+            self.conv.get_parameter("bias")[0].add_(log(factor))
+
 
 @dataclass(frozen=True)
 class BinnedDepth:

@@ -1,11 +1,12 @@
-"""What a network answers for a batch of pictures, and the mean of two answers."""
+"""What a network answers for a batch of pictures, and the mean of several answers."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-_HALF = np.float32(0.5)
+from flexdepth.runtime.sizes import resized
 
 Reals = NDArray[np.float32]
 
@@ -45,19 +46,33 @@ class Answer:
         """The focal length in an answer for one picture."""
         return None if self.focal is None else float(self.focal)
 
-    def joined(self, other: "Answer", depth: Reals) -> "Answer":
-        """Return the means of two answers; how the depths were joined is for the caller to say."""
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the maps."""
+        height, width = self.depth.shape[1:]
+        return width, height
+
+    def resized(self, size: tuple[int, int]) -> "Answer":
+        """Return the same with maps of this width and height; depth is a mean of logarithms."""
+        depth = np.exp(_each_resized(np.log(self.depth), size))
+        spread = None if self.spread is None else _each_resized(self.spread, size)
+        return replace(self, depth=depth, sky=_each_resized(self.sky, size), spread=spread)
+
+    @staticmethod
+    def joined(answers: "Sequence[Answer]", depth: Reals) -> "Answer":
+        """Return the means of answers; how the depths were joined is for the caller to say."""
         return Answer(
             depth,
-            _mean(self.sky, other.sky),
-            _mean_if_any(self.spread, other.spread),
-            _mean_if_any(self.focal, other.focal),
+            np.mean([answer.sky for answer in answers], axis=0),
+            _mean_if_all([answer.spread for answer in answers]),
+            _mean_if_all([answer.focal for answer in answers]),
         )
 
 
-def _mean(one: Reals, other: Reals) -> Reals:
-    return (one + other) * _HALF
+def _each_resized(maps: Reals, size: tuple[int, int]) -> Reals:
+    return np.stack([resized(np.ascontiguousarray(each), size) for each in maps])
 
 
-def _mean_if_any(one: Reals | None, other: Reals | None) -> Reals | None:
-    return None if one is None or other is None else _mean(one, other)
+def _mean_if_all(values: Sequence[Reals | None]) -> Reals | None:
+    said = [value for value in values if value is not None]
+    return np.mean(said, axis=0) if len(said) == len(values) else None

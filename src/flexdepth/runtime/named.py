@@ -25,8 +25,9 @@ from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.estimator import Estimator
 from flexdepth.runtime.foreign import ForeignPredictor, Network
 from flexdepth.runtime.lens import Lens
+from flexdepth.runtime.looks import Look
 from flexdepth.runtime.model import Model, load_model, model_in
-from flexdepth.runtime.predictor import Look, Predictor
+from flexdepth.runtime.predictor import Predictor
 from flexdepth.runtime.session import Provider, Session, open_session
 
 BUNDLED = ("compact", "bundled")
@@ -148,7 +149,7 @@ def _in_room(prefix: str, name: str, provider: Provider) -> Network:
 def _refuse_own_ways(name: str, wishes: Wishes) -> None:
     if (wishes.look, wishes.details, wishes.tiles) != (None, None, 1):
         raise InputError(
-            f"--flip, --look, --details and --tiles are for flexdepth's own models, {name} is "
+            f"--looks, --look, --details and --tiles are for flexdepth's own models, {name} is "
             f"none; leave them out"
         )
 

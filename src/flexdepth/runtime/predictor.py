@@ -1,7 +1,8 @@
 """From a picture to its depth map, at the picture's own size."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import groupby
 from math import log, prod, sqrt
 from pathlib import Path
@@ -17,35 +18,13 @@ from flexdepth.runtime.errors import InputError
 from flexdepth.runtime.estimator import About
 from flexdepth.runtime.images import Photo, read_photo
 from flexdepth.runtime.lens import Lens, Said, intrinsics
+from flexdepth.runtime.looks import Look, at_three_sizes
 from flexdepth.runtime.model import Model
-from flexdepth.runtime.sizes import network_size, resized
+from flexdepth.runtime.sizes import network_size, resized, times_larger
 from flexdepth.runtime.tiles import Seen, closer, joined, tiling
 
 _SKY = 0.5
 """The probability above which a pixel is sky."""
-
-
-def once(model: Model, images: NDArray[np.float32]) -> Answer:
-    """Return what the network answers for each image."""
-    return model.run(images)
-
-
-def in_mirror(model: Model, images: NDArray[np.float32]) -> Answer:
-    """Return the answer for the mirrored images, mirrored back."""
-    return model.run(np.ascontiguousarray(images[..., ::-1])).mirrored()
-
-
-def mirrored_too(model: Model, images: NDArray[np.float32]) -> Answer:
-    """Return the answer of two looks, one in a mirror: steadier than one.
-
-    Depths are joined by their geometric mean, everything else by the mean.
-    """
-    seen, mirrored = model.run(images), in_mirror(model, images)
-    return seen.joined(mirrored, np.sqrt(seen.depth * mirrored.depth))
-
-
-Look = Callable[[Model, NDArray[np.float32]], Answer]
-"""How a network looks at pictures: `once` or `mirrored_too`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +49,7 @@ class Predictor:
     model: Model
     lens: Lens | None = None
     long_side: int | None = None
-    look: Look = mirrored_too
+    look: Look = at_three_sizes
     details: int = 2
     tiles: int = 1
 
@@ -122,10 +101,16 @@ class Predictor:
         found = []
         for size, alike in groupby(photos, self._network_size):
             run = list(alike)
-            images = np.stack([_shown(photo.pixels, size) for photo in run])
-            seen = self.look(self.model, images).each()
+            seen = self.look(self.model, partial(self._shown, run, size)).each()
             found += [self._at_own_size(*each) for each in zip(run, seen, strict=True)]
         return found
+
+    def _shown(
+        self, photos: Sequence[Photo], size: tuple[int, int], times: float
+    ) -> NDArray[np.float32]:
+        """Return photos of one network size at so many times that size."""
+        wanted = times_larger(size, times, self.model.description.multiple)
+        return np.stack([_as_seen(photo.pixels, wanted) for photo in photos])
 
     def _network_size(self, photo: Photo) -> tuple[int, int]:
         return self._size_of(photo.pixels)
@@ -149,7 +134,7 @@ class Predictor:
         return self._seen_once(pixels, self._size_of(pixels))
 
     def _seen_once(self, pixels: NDArray[np.uint8], size: tuple[int, int]) -> Seen:
-        (seen,) = once(self.model, _shown(pixels, size)[None]).each()
+        (seen,) = self.model.run(_as_seen(pixels, size)[None]).each()
         return _logarithmic(seen)
 
     def _at_own_size(self, photo: Photo, whole: Answer) -> DepthMap:
@@ -222,7 +207,7 @@ def _spread(
     return spread
 
 
-def _shown(pixels: NDArray[np.uint8], size: tuple[int, int]) -> NDArray[np.float32]:
+def _as_seen(pixels: NDArray[np.uint8], size: tuple[int, int]) -> NDArray[np.float32]:
     """Return the picture as the network takes it: (3, height, width), RGB in [0, 1]."""
     seen = resized(np.ascontiguousarray(pixels), size)
     return np.moveaxis(seen, 2, 0).astype(np.float32) / np.float32(255)

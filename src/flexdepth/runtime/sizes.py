@@ -84,6 +84,17 @@ def network_size(
     return min(product(*sides), key=stretch)
 
 
+def times_larger(size: tuple[int, int], times: float, multiple: int) -> tuple[int, int]:
+    """Return the network's size for a picture whose own network size, width and height, is `size`.
+
+    Its area is near that of the other `times` as wide and high; at `times` 1 it is the same.
+    """
+    if times == 1:
+        return size
+    width, height = size
+    return network_size(*size, Area((round(width * times), round(height * times)), multiple))
+
+
 def resized(values: NDArray[Number], size: tuple[int, int]) -> NDArray[Number]:
     """Return `values` at `size` (width, height): means where it shrinks, else interpolated.
 

@@ -1,5 +1,7 @@
-"""What to do where memory is short."""
+"""What to do where memory is short, and how not to wait for it."""
 
+import ctypes
+import platform
 from collections.abc import Iterator
 from contextlib import contextmanager
 from math import prod
@@ -14,6 +16,29 @@ _SHORT = ("can't allocate memory", "Unable to allocate")
 
 _KILLED = ("is killed by signal", "exited unexpectedly")
 """What torch says of a loading process that the system has ended."""
+
+
+_TRIM_THRESHOLD, _TOP_PAD, _MMAP_MAX = -1, -2, -4
+"""What glibc's `mallopt` calls its settings, from malloc.h."""
+
+_NEVER = -1
+_AT_A_TIME = 2**28
+"""Bytes that the heap grows by at least."""
+
+
+def keep_freed_memory() -> bool:
+    """Let this process keep what it frees for its next iteration; return whether it will.
+
+    glibc gives a freed block of 32 MiB and more back to the system at once, and takes the next one
+    as fresh pages, each of which the system clears first: on a CPU that is up to a third of the
+    time of an iteration. Memory stays at its peak instead, which the next iteration reaches anyhow.
+    With another C library nothing is changed.
+    """
+    if platform.libc_ver()[0] != "glibc":
+        return False
+    mallopt = ctypes.CDLL(None).mallopt
+    settings = ((_MMAP_MAX, 0), (_TOP_PAD, _AT_A_TIME), (_TRIM_THRESHOLD, _NEVER))
+    return all(mallopt(name, value) == 1 for name, value in settings)
 
 
 @contextmanager
