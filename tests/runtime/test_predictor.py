@@ -74,7 +74,7 @@ def test_a_map_lies_on_its_photo_without_a_shift(predictor):
     pixel_step = 240 / 255 / 640
     np.testing.assert_allclose(found[:, 8:-8], wanted[:, 8:-8], atol=3 * pixel_step)
     mirrored = predictor.predict(Photo(photo.pixels[:, ::-1], 0.5, ())).depth
-    np.testing.assert_allclose(mirrored[:, ::-1], found, atol=1e-5)
+    np.testing.assert_allclose(mirrored[:, ::-1], found, atol=pixel_step / 5)
 
 
 @pytest.mark.usefixtures("edges_as_seen")
@@ -221,16 +221,17 @@ def test_how_sure_the_network_is_comes_with_the_depth_but_not_in_the_sky(unsure)
 def test_two_looks_have_the_mean_of_their_spreads(unsure):
     photo = gray(128, 96, 102)
     photo.pixels[:, :64] = 51
-    look_once = Predictor(unsure.model, look=once)
-    one, both = look_once.predict(photo), unsure.predict(photo)
+    looks = [Predictor(unsure.model, look=look) for look in (once, mirrored_too)]
+    one, both = (each.predict(photo) for each in looks)
     np.testing.assert_allclose(both.spread, one.spread, rtol=1e-4)
     np.testing.assert_allclose(both.intrinsics.focal_x, one.intrinsics.focal_x, rtol=1e-5)
 
 
 def test_a_mirror_changes_nothing_for_a_network_that_knows_no_left(predictor):
     pixels = np.random.default_rng(2).integers(0, 250, (96, 128, 3), np.uint8)
-    one = Predictor(predictor.model, look=once).predict(pixels)
-    np.testing.assert_allclose(predictor.predict(pixels).values, one.values, rtol=1e-5)
+    looks = [Predictor(predictor.model, look=look) for look in (once, mirrored_too)]
+    one, both = (each.predict(pixels) for each in looks)
+    np.testing.assert_allclose(both.values, one.values, rtol=1e-5)
 
 
 @pytest.mark.parametrize(
