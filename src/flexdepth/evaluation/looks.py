@@ -1,7 +1,7 @@
 """The ways of looking twice, once in a mirror, that published figures were made with.
 
-Each is a `flexdepth.runtime.looks.Look`. The runtime's own, `mirrored_too`, takes the geometric
-mean.
+Each is a `flexdepth.runtime.looks.Look`; the runtime's own, which take geometric means, stand
+beside them in `LOOKS`.
 """
 
 from collections.abc import Mapping
