@@ -41,7 +41,8 @@ class BatchSettings:
 
     Attributes:
         size: Samples in a batch.
-        shapes: Width and height of a batch's images; each batch takes one at random.
+        shapes: Width and height of a batch's images; each batch takes one at random. Of about one
+            area: how far a thing is is learnt for how many pixels it has (decision 018).
         crop: What part of an image is seen.
         colour: In which light.
         seed: Of order, crops and colours.
