@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from flexdepth.runtime.answer import Answer, Reals
-from flexdepth.runtime.looks import Look, Shown, at_three_sizes, in_mirror, mirrored_too, once
+from flexdepth.runtime.looks import Look, Shown, at_three_sizes, both_ways, mirrored_too, once
 from flexdepth.runtime.model import Model
 
 _ONE, _TWO = np.float32(1), np.float32(2)
@@ -22,15 +22,13 @@ def mean_of_mirrored(model: Model, shown: Shown) -> Answer:
     References:
         Lee et al., BTS, 2019, and AdaBins' evaluate.py; the latter clips each look first.
     """
-    images = shown(1)
-    seen, mirrored = model.run(images), in_mirror(model, images)
+    seen, mirrored = both_ways(model, shown)
     return Answer.joined([seen, mirrored], (seen.depth + mirrored.depth) / _TWO)
 
 
 def ramp_of_mirrored(model: Model, shown: Shown) -> Answer:
     """Return monodepth's post-processing (_PP) of two looks, which it does in disparity."""
-    images = shown(1)
-    seen, mirrored = model.run(images), in_mirror(model, images)
+    seen, mirrored = both_ways(model, shown)
     depth = _ONE / blended(_ONE / seen.depth, _ONE / mirrored.depth)
     return Answer.joined([seen, mirrored], depth)
 

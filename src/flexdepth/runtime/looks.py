@@ -35,10 +35,15 @@ def in_mirror(model: Model, images: Reals) -> Answer:
     return model.run(np.ascontiguousarray(images[..., ::-1])).mirrored()
 
 
+def both_ways(model: Model, shown: Shown) -> tuple[Answer, Answer]:
+    """Return the answers of two looks, the second in a mirror."""
+    images = shown(1)
+    return model.run(images), in_mirror(model, images)
+
+
 def mirrored_too(model: Model, shown: Shown) -> Answer:
     """Return the answer of two looks, one in a mirror."""
-    images = shown(1)
-    return geometric_mean([model.run(images), in_mirror(model, images)])
+    return geometric_mean(both_ways(model, shown))
 
 
 def at_three_sizes(model: Model, shown: Shown) -> Answer:
