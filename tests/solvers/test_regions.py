@@ -124,21 +124,28 @@ def test_what_is_off_a_little_moves_if_many_pixels_say_so(size, moves):
     assert (labels > 0).any() == moves
 
 
-@pytest.mark.parametrize(("columns", "number"), [(slice(30, 32), 1), (slice(44, 46), 0)])
-def test_a_small_piece_that_moves_is_of_the_thing_that_is_around_it(columns, number):
-    """Flow leaps between the two, as on a ball that spins; what is at its rim may be a blur."""
+@pytest.mark.parametrize(("columns", "number"), [(30, 1), (44, 1), (50, 0)])
+@pytest.mark.parametrize("piece", [0, 2])
+def test_the_little_that_moves_is_of_the_thing_that_it_touches(columns, number, piece):
+    """Inside the thing, at its rim, or away from it; left in a still piece, or a piece itself.
+
+    Flow leaps between the two, as on a ball that spins.
+    """
     cut = np.zeros((HEIGHT, WIDTH), np.int32)
-    small = np.s_[20:26, columns]
-    cut[10:42, 20:44], cut[small] = 1, 2
-    flow, across = np.zeros((HEIGHT, WIDTH, 2)), np.zeros((HEIGHT, WIDTH))
-    across[cut > 0] = 3.0
-    flow[cut == 1], flow[cut == 2] = (6.0, 0.0), (12.0, 0.0)
+    little = np.s_[20:26, columns : columns + 2]
+    thing = np.zeros((HEIGHT, WIDTH), bool)
+    thing[10:42, 20:44] = True
+    cut[thing], cut[little] = 1, piece
+    moves = thing.copy()
+    moves[little] = True
+    flow = np.where(thing[..., None], [6.0, 0.0], 0.0)
+    flow[little] = 12.0, 0.0
     ones = np.ones((HEIGHT, WIDTH))
-    along = Along(ones, across, ones, ones)
+    along = Along(ones, np.where(moves, 3.0, 0.0), ones, ones)
     labels = moving_regions(cut, flow, along, 0.05 * ones, ones > 0).labels
-    assert (labels[cut == 1] == 1).all()
-    assert (labels[small] == number).all()
-    assert (labels[cut == 0] == 0).all()
+    assert (labels[thing] == 1).all()
+    assert (labels[~moves] == 0).all()
+    assert (labels[little] == number).all()
 
 
 @pytest.mark.parametrize("leaves", [False, True])

@@ -20,7 +20,7 @@ def averaged(
     Args:
         checkpoints: Of one network.
         shares: Of each, positive.
-        pairs: What the statistics of the normalisations are estimated on, as `compact-large` sees
+        pairs: What the statistics of the normalisations are estimated on, as `compact-spread` sees
             them.
         batches: How many batches of them.
         output: The file to write.
@@ -41,7 +41,7 @@ def averaged(
     for path, own in zip(checkpoints, weights, strict=True):
         restore(network, own, str(path))
     restore(network, mean_of(weights, shares), str(output))
-    seen = Batches(pairs, CATALOGUE["compact-large"].loop.batches, batches)
+    seen = Batches(pairs, CATALOGUE["compact-spread"].loop.batches, batches)
     estimate_statistics(network, (batch.key.image for batch in loader(seen, 0, 0)))
     named = {f"average.{name}": value for name, value in network.state_dict().items()}
     save(output, Checkpoint(0, found[0].settings, named, source()))

@@ -18,7 +18,7 @@ from flexdepth.experiments.experiment import Experiment, Trained
 from flexdepth.experiments.pca import PCA_NYU, PCA_RENDERS
 from flexdepth.experiments.run import BEST
 from flexdepth.experiments.yaml_files import read_experiment
-from flexdepth.losses import GradientMatching, SpreadQuantiles
+from flexdepth.losses import GradientMatching, SpreadQuantiles, VirtualNormal
 from flexdepth.runtime.errors import InputError
 from flexdepth.training.batches import BatchSettings
 from flexdepth.training.loop import LoopSettings
@@ -27,17 +27,23 @@ from flexdepth.training.optimiser import AdamWCosine
 
 _COMPACT = Experiment()
 
+_OF_PREDICTIONS = BatchSettings(
+    shapes=((384, 288), (384, 288), (320, 320), (448, 224), (576, 192)), seed=1
+)
+
 _COMPACT_LARGE = replace(
     _COMPACT,
     start=Trained(Path("runs/compact") / BEST),
-    terms={**_COMPACT.terms, "gradient": Term(GradientMatching(), 1.0)},
+    terms={
+        **_COMPACT.terms,
+        "gradient": Term(GradientMatching(), 1.0),
+        "normal": Term(VirtualNormal(focal=None), 0.5),
+    },
     loop=LoopSettings(
         iterations=900,
         save_every=150,
         average_decay=0.995,
-        batches=BatchSettings(
-            shapes=((384, 288), (384, 288), (320, 320), (448, 224), (576, 192)), seed=1
-        ),
+        batches=replace(_OF_PREDICTIONS, size=32),
         optimiser=AdamWCosine(rate=5e-4, warm_up=50),
     ),
 )
@@ -47,7 +53,13 @@ _COMPACT_SPREAD = replace(
     data=Folder(Path("renders/calibration")),
     start=Trained(Path("runs/compact-large") / BEST),
     terms={"spread": Term(SpreadQuantiles(), 1.0)},
-    loop=replace(_COMPACT_LARGE.loop, iterations=1500, save_every=250, learns=("spread",)),
+    loop=replace(
+        _COMPACT_LARGE.loop,
+        iterations=1500,
+        save_every=250,
+        batches=_OF_PREDICTIONS,
+        learns=("spread",),
+    ),
 )
 
 CATALOGUE: Mapping[str, Experiment] = MappingProxyType(
@@ -64,9 +76,10 @@ CATALOGUE: Mapping[str, Experiment] = MappingProxyType(
         "pca-nyu": PCA_NYU,
     }
 )
-"""`compact` learns from small images; `compact-large` goes on at the size of predictions, with more
-weight on edges; `compact-spread` teaches it, on scenes that it has not learnt from, how far off its
-depth may be, and changes nothing else. The others are the trainings of chapter 3."""
+"""`compact` learns from small images; `compact-large` goes on at the size of predictions, with
+larger batches, virtual normals and more weight on edges; `compact-spread` teaches it, on scenes
+that it has not learnt from, how far off its depth may be, and changes nothing else. The others are
+the trainings of chapter 3."""
 
 
 def experiment_named(name: str) -> Experiment:

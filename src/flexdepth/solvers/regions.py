@@ -48,9 +48,6 @@ _ALONE, _FEWEST = 3.0, 4.0
 """How much longer the border is across which flow goes on from moving pieces than from still ones,
 and pixels of it, for a piece to be one with those."""
 
-_AROUND = 0.7
-"""The share of a small piece's border that is with moving ones, for it to be part of those."""
-
 _MOST = 24
 """Moving regions are at most so many: the largest."""
 
@@ -103,8 +100,11 @@ def moving_regions(
     pairs = neighbours(labels, flow, max(0.7, 3 * typical))
     moves = _closed(_grown(surprise, pairs), pairs)
     area = np.bincount(labels.ravel(), minlength=count).astype(np.float64)
-    number = _with_small(_objects(moves, pairs, area), moves, pairs)
-    return Moving(number[labels], max(_OFF, weighted_deviation(middle, pixels)))
+    number = _objects(moves, pairs, area)
+    alone = np.zeros(labels.shape)
+    alone[trusted] = _surprise(np.abs(off), np.ones(len(off)), noise[trusted], _MIXED * typical)
+    found = _grown_over(number[labels], alone > _STRONG)
+    return Moving(found, max(_OFF, weighted_deviation(middle, pixels)))
 
 
 def _surprise(off: Array, pixels: Array, noise: Array, least: float) -> Array:
@@ -195,25 +195,19 @@ def _objects(moves: Mask, pairs: Neighbours, pixels: Array) -> Labels:
     return np.asarray(np.where(moves, number[roots], 0), np.int32)
 
 
-def _with_small(number: Labels, moves: Mask, pairs: Neighbours) -> Labels:
-    """Return the numbers of objects, with moving pieces too small for one in those around them.
+def _grown_over(labels: Labels, moves: Mask) -> Labels:
+    """Return labels, with the moving pixels of still pieces in the regions that they are joined to.
 
-    A strip of a ball that spins fast moves for sure, and what moves is around it: it is of the
-    object with which it shares the longest border. What is still on one side may be a blurred rim.
+    Pieces are never smaller than some pixels: what is left of a thing at its rim may have been
+    given to what is still.
     """
-    for _ in range(len(number)):
-        shared = np.zeros((len(number), int(number.max()) + 1))
-        moving = np.zeros(len(number))
-        for one, other in ((pairs.first, pairs.second), (pairs.second, pairs.first)):
-            np.add.at(shared, (one, number[other]), pairs.length)
-            np.add.at(moving, one, pairs.length * moves[other])
-        around = moving > _AROUND * shared.sum(axis=1)
-        shared[:, 0] = 0.0
-        left = moves & (number == 0) & around & shared.any(axis=1)
-        if not left.any():
-            break
-        number = np.where(left, shared.argmax(axis=1), number).astype(np.int32)
-    return number
+    grown = labels.astype(np.uint8)
+    while True:
+        beside = cv2.dilate(grown, np.ones((3, 3), np.uint8))
+        joins = (grown == 0) & moves & (beside > 0)
+        if not joins.any():
+            return grown.astype(np.int32)
+        grown[joins] = beside[joins]
 
 
 def connected(labels: Labels, inside: Mask, flow: Array, smooth: float) -> Labels:
