@@ -15,7 +15,7 @@ import torch
 from safetensors.torch import save_file
 from scipy.io import savemat
 
-from flexdepth.data import EvenFolder, Folder, Kitti, NyuFolders, NyuLabelled
+from flexdepth.data import Folder, Kitti, NyuFolders, NyuLabelled
 from flexdepth.data.read import Split
 from flexdepth.evaluation.alignment import Alignment
 from flexdepth.experiments import terms
@@ -177,7 +177,7 @@ def published(tmp_path_factory):
 
 def at_home(data, root):
     match data:
-        case Folder() | EvenFolder():
+        case Folder():
             return replace(data, root=root / "own")
         case NyuLabelled() | NyuFolders():
             return replace(data, root=root / "nyu")

@@ -9,7 +9,6 @@ from flexdepth.data.diode import Diode
 from flexdepth.data.diw import Diw
 from flexdepth.data.driving_stereo import DrivingStereo
 from flexdepth.data.eth3d import Eth3d, Eth3dStereo
-from flexdepth.data.even_folder import EvenFolder
 from flexdepth.data.folder import Folder
 from flexdepth.data.hypersim import Hypersim
 from flexdepth.data.icl_nuim import IclNuim, IclNuimAugmented, IclNuimPovRay
@@ -33,7 +32,6 @@ from flexdepth.data.virtual_kitti import VirtualKitti1, VirtualKitti2
 DATASETS: Mapping[str, type[Any]] = MappingProxyType(
     {
         "folder": Folder,
-        "even-folder": EvenFolder,
         "stated-folder": StatedFolder,
         "nyu-labelled": NyuLabelled,
         "nyu-folders": NyuFolders,

@@ -88,28 +88,18 @@ class FolderPairs:
                 size is not the image's.
         """
         image_path, depth_path = self.paths[index]
-        image, truth = read_photo(image_path).pixels, self.truth(index)
+        image, truth = read_photo(image_path).pixels, read_depth(depth_path)
+        if truth.space is not Space.METRIC or truth.intrinsics is None:
+            raise InputError(
+                f"{depth_path}: training needs metric depth with a camera, "
+                f"got {truth.space} {'with' if truth.intrinsics else 'without'} a camera"
+            )
         if truth.values.shape != image.shape[:2]:
             raise InputError(
                 f"{depth_path}: depth is {truth.values.shape[1]}x{truth.values.shape[0]}, "
                 f"its image {image.shape[1]}x{image.shape[0]}; they must have one size"
             )
         return Pair(image_path.stem, image, truth)
-
-    def truth(self, index: int) -> DepthMap:
-        """Return the depth of one pair; its image is not read.
-
-        Raises:
-            InputError: The file is broken, the depth is not metric, or its camera is unknown.
-        """
-        path = self.paths[index][1]
-        truth = read_depth(path)
-        if truth.space is not Space.METRIC or truth.intrinsics is None:
-            raise InputError(
-                f"{path}: training needs metric depth with a camera, "
-                f"got {truth.space} {'with' if truth.intrinsics else 'without'} a camera"
-            )
-        return truth
 
 
 def check_partners(images: Mapping[Key, Path], depths: Mapping[Key, Path], rule: str) -> None:

@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
 
-from flexdepth.data import EvenFolder, Folder
+from flexdepth.data import Folder
 from flexdepth.experiments.chapter3 import (
     CHAPTER3_SHORT,
     CHAPTER3_SMALL,
@@ -33,7 +33,6 @@ _OF_PREDICTIONS = BatchSettings(
 
 _COMPACT_LARGE = replace(
     _COMPACT,
-    data=EvenFolder(Path("renders/train")),
     start=Trained(Path("runs/compact") / BEST),
     terms={
         **_COMPACT.terms,
@@ -78,9 +77,9 @@ CATALOGUE: Mapping[str, Experiment] = MappingProxyType(
     }
 )
 """`compact` learns from small images; `compact-large` goes on at the size of predictions, with
-larger batches, virtual normals, more weight on edges, and images of rare distances seen more often;
-`compact-spread` teaches it, on scenes that it has not learnt from, how far off its depth may be,
-and changes nothing else. The others are the trainings of chapter 3."""
+larger batches, virtual normals and more weight on edges; `compact-spread` teaches it, on scenes
+that it has not learnt from, how far off its depth may be, and changes nothing else. The others are
+the trainings of chapter 3."""
 
 
 def experiment_named(name: str) -> Experiment:
