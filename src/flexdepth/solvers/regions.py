@@ -108,7 +108,7 @@ def moving_regions(
 
 
 def _surprise(off: Array, pixels: Array, noise: Array, least: float) -> Array:
-    """Return by how many standard deviations each piece is off.
+    """Return by how many standard deviations each piece is off; a pixel is a piece of one.
 
     Args:
         off: Pixels; a median of each piece, of which most have about 0.
@@ -196,10 +196,10 @@ def _objects(moves: Mask, pairs: Neighbours, pixels: Array) -> Labels:
 
 
 def _grown_over(labels: Labels, moves: Mask) -> Labels:
-    """Return labels, with the moving pixels of still pieces in the regions that they are joined to.
+    """Return labels, with the moving pixels that have none in the regions that they are joined to.
 
     Pieces are never smaller than some pixels: what is left of a thing at its rim may have been
-    given to what is still.
+    given to what is still. And a strip of a ball that spins fast is too small for a region.
     """
     grown = labels.astype(np.uint8)
     while True:
