@@ -33,6 +33,8 @@ class Clues:
             noise, likewise, over the root of the share of the frame that it fills (neighbours share
             errors in large frames); None for what bends, and where no ground is seen.
         beside: ln s at which it is as near as the moving thing that it touches; None if alone.
+        told: ln s at which it is as near as a single picture says, and that one's doubt; None
+            without one.
     """
 
     kind: Kind
@@ -48,6 +50,7 @@ class Clues:
     foot: float | None
     tips: tuple[float, float] | None = None
     beside: float | None = None
+    told: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -88,12 +91,12 @@ HABITS = {
         (0.006, 0.004),
     ),
     Kind.FLEXIBLE: Habits(
-        ((0.25, 0.2, 0.17), (0.06, 0.0, 0.05), (0.03, 0.04, 0.04), (0.04, 0.03, 0.04)),
+        ((0.25, 0.2, 0.24), (0.06, 0.0, 0.05), (0.03, 0.04, 0.02), (0.04, 0.03, 0.04)),
         0.6,
-        0.1,
-        0.05,
+        0.06,
+        0.03,
         0.3,
-        0.08,
+        0.05,
         (0.05, 0.05),
     ),
 }

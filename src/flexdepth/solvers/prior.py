@@ -1,8 +1,9 @@
 """Depth from the single picture, as a soft term beside what motion shows.
 
-The prior has a scale of its own in each region: what it says of the shape of a thing, and what it
-says of the thing's size beside the rest, are weighed apart. So geometry carries what moves enough
-to be seen, the prior what does not, and its share is shown for every pixel.
+The prior has a scale of its own in each region: what it says of the shape of a thing is weighed
+here, what it says of how near the thing is beside the rest with all else that tells of that
+(`relative_scale`). So geometry carries what moves enough to be seen, the prior what does not, and
+its share is shown for every pixel.
 """
 
 from dataclasses import replace
@@ -11,20 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdepth.solvers.answer import Evidence, Region
-from flexdepth.solvers.fusion import common_factor, fused, measured_spread
+from flexdepth.solvers.fusion import fused, measured_spread
+from flexdepth.solvers.pictured import Pictured, pictured
 from flexdepth.solvers.seen import Prior, Seen
 from flexdepth.solvers.world import World
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
-_BESIDE = 5.0
-"""By how many of its spreads the prior errs in the size of a thing beside the rest.
+_BESIDE = 0.3
+"""The least relative error of what the prior alone says of how near a thing is beside the rest."""
 
-Of 1, 1.5, 2, 3 and 5 the last spoilt least of what geometry knows on tuning pairs (moving .249,
-.207, .186, .167 and .156; geometry alone .151): a thing's size is what a single picture tells
-worst. Where geometry knows nothing of a size, the prior's counts alone.
-"""
-
+_SURE = 0.08
+"""The probability of an error below a tenth, times the spread, where that is large."""
 
 _NEAR = 1 / 3
 """What geometry sees to be nearer than infinity by three deviations is no sky, whatever is said."""
@@ -49,18 +49,13 @@ def with_prior(world: World, seen: Seen, prior: Prior) -> World:
     Where the camera has stayed, all depth is the prior's, in its own unit. Where it has not, and
     nothing tells that unit in the camera's way, the prior tells of sky alone.
     """
-    depth = np.asarray(prior.depth, np.float64)
-    sky = np.isposinf(depth) & (world.labels == 0) & ~(world.shape_spread < _NEAR)
-    usable = np.isfinite(depth) & (depth > 0)
-    said = np.where(usable, 1 / np.where(usable, depth, 1.0), np.nan)
-    doubt = np.where(usable, np.asarray(prior.spread, np.float64), np.inf)
-    own = _own(world)
-    found = common_factor(
-        said, own, (world.labels == 0) / np.maximum(world.shape_spread, 0.02) ** 2
-    )
+    sky = np.isposinf(prior.depth) & (world.labels == 0) & ~(world.shape_spread < _NEAR)
+    picture, own = pictured(prior), _own(world)
+    found = picture.unit(own, world.shape_spread, world.labels == 0)
     if found is None and (world.metric or world.camera.translates):
-        said[:] = np.nan
+        picture = replace(picture, inverse_depth=np.full_like(own, np.nan))
         world = world.noted(_UNTIED)
+    said = picture.inverse_depth
     unit = 1.0 if found is None else found[0]
     strays = 0.0 if found is None else found[1] * np.sqrt(_INDEPENDENT)
     inverse, spread = np.full(said.shape, np.nan), np.full(said.shape, np.inf)
@@ -68,11 +63,11 @@ def with_prior(world: World, seen: Seen, prior: Prior) -> World:
     regions: list[Region] = []
     for region in world.regions:
         inside = world.labels == region.label
-        scale, told = _weighed(region, (own, said * unit), np.where(inside, 1 / doubt**2, 0.0))
-        shape = common_factor(said, own * scale, inside / np.maximum(world.shape_spread, 0.02) ** 2)
+        scale, told = _placed(region, inside, own / unit, picture)
+        shape = picture.unit(own * scale, world.shape_spread, inside)
         factor = unit if shape is None else shape[0]
         shown = (own * scale, world.shape_spread)
-        likely = (said * factor, np.maximum(doubt, strays))
+        likely = (said * factor, np.maximum(picture.doubt, strays))
         depths = fused(shown, (likely[0], measured_spread(shown, likely)))
         for out, values in zip((inverse, spread, share), depths, strict=True):
             out[inside] = values[inside]
@@ -100,20 +95,17 @@ def _own(world: World) -> Array:
     return np.where(good, world.inverse_depth, np.nan)
 
 
-def _weighed(region: Region, maps: tuple[Array, Array], certain: Array) -> tuple[float, Region]:
-    """Return the factor on a moving region's inverse depths, and the region as it then is."""
-    if region.label == 0:
+def _placed(region: Region, inside: Mask, own: Array, picture: Pictured) -> tuple[float, Region]:
+    """Return the factor on a region's inverse depths, and the region as it then is.
+
+    What moves by itself and has no scale yet is as near as the prior says.
+    """
+    if region.label == 0 or np.isfinite(region.scale_spread):
         return 1.0, region
-    found = common_factor(maps[0], maps[1], certain)
-    if found is None:
+    told = picture.of_thing(inside, own)
+    if told is None:
         return 1.0, region
-    doubt = _BESIDE / np.sqrt(float(np.median(certain[certain > 0])))
-    said = 1 / max(doubt, 1e-3) ** 2
-    kept = 0.0 if np.isinf(region.scale_spread) else 1 / max(region.scale_spread, 1e-3) ** 2
-    part = said / (said + kept)
-    spread = float(1 / np.sqrt(said + kept))
-    evidence = Evidence.PRIOR if part > 0.5 else region.evidence
-    confidence = float(min(1.0, max(region.confidence, 0.08 / spread)))
-    return found[0] ** part, replace(
-        region, evidence=evidence, scale_spread=spread, confidence=confidence
+    spread = float(np.hypot(_BESIDE, told[1]))
+    return float(np.exp(told[0])), replace(
+        region, evidence=Evidence.PRIOR, scale_spread=spread, confidence=min(1.0, _SURE / spread)
     )

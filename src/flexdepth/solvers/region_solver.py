@@ -16,12 +16,13 @@ from flexdepth.solvers.epipolar import Epipolar
 from flexdepth.solvers.ground import Ground, ground
 from flexdepth.solvers.least_squares import cost, refined, squares
 from flexdepth.solvers.ordering import Still, with_sunk
+from flexdepth.solvers.pictured import Pictured, pictured
 from flexdepth.solvers.pictures import standing, told_by_pictures
 from flexdepth.solvers.pieces import Labels, pieces
 from flexdepth.solvers.pose import Pose
 from flexdepth.solvers.regions import filled, moving_regions
 from flexdepth.solvers.relative_scale import Scale, relative_scale
-from flexdepth.solvers.seen import Seen
+from flexdepth.solvers.seen import Prior, Seen
 from flexdepth.solvers.sight import Sight
 from flexdepth.solvers.still import looked_again
 from flexdepth.solvers.things import Thing, middle_motion, own_turn, scaled, things, wobble
@@ -87,7 +88,7 @@ def solved_regions(seen: Seen, clear: float) -> World:
     floor = ground(sight.key, along.inverse_depth, _static(sight, all_moving, along, least))
     sight = replace(sight, down=None if floor is None else floor.normal)
     labels, found = things(all_moving, cut, sight, camera.pose, moving.strays)
-    return _scaled_world(sight, _Stage(camera, along, floor, clear), labels, found)
+    return _scaled_world(sight, _Stage(camera, along, floor, clear, seen.prior), labels, found)
 
 
 def _likelier(camera: CameraMotion, every: Correspondences) -> CameraMotion:
@@ -129,12 +130,29 @@ class _Stage:
         along: What the flow says of depth, were all still.
         floor: The ground, if one is seen.
         clear: Standard deviations of parallax that make a depth.
+        prior: What the key frame alone tells, if that is known.
     """
 
     camera: CameraMotion
     along: Along
     floor: Ground | None
     clear: float
+    prior: Prior | None
+
+
+@dataclass(frozen=True, eq=False)
+class _Beside:
+    """What a thing is seen beside.
+
+    Attributes:
+        around: The static world.
+        typical: ln of its typical inverse depth.
+        picture: What a single picture says of depth, in the unit of the static world.
+    """
+
+    around: Surroundings
+    typical: float
+    picture: Pictured | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,11 +173,12 @@ def _scaled_world(sight: Sight, stage: _Stage, labels: Labels, found: list[Thing
     spread = np.where(static, along.spread * noise, np.inf)
     around = surroundings(np.where(static, inverse, 0.0), static, sight.flow, sight.trusted)
     typical = float(np.log(np.median(inverse[static]))) if static.any() else 0.0
+    beside = _Beside(around, typical, _picture(stage.prior, inverse, spread, static))
     count = int(labels.max()) + 1
     rotation = np.broadcast_to(camera.pose.rotation, (count, 3, 3)).copy()
     translation = np.broadcast_to(camera.pose.translation, (count, 3)).copy()
     told = [Region(0, Kind.STATIC, Evidence.CAMERA, 1.0, 0.0, int((labels == 0).sum()))] * count
-    seen = [_clues(sight, stage, labels, thing, (around, typical)) for thing in found]
+    seen = [_clues(sight, stage, labels, thing, beside) for thing in found]
     movers = np.full(labels.shape, np.nan)
     scales = {each: relative_scale(each.clues) for each in seen}
     while scales:
@@ -168,8 +187,8 @@ def _scaled_world(sight: Sight, stage: _Stage, labels: Labels, found: list[Thing
         if scale.evidence in _TELLS:
             movers[each.inside] = scale.value * each.own[each.inside]
             for other in scales:
-                beside = _beside(other, movers, around)
-                scales[other] = relative_scale(replace(other.clues, beside=beside))
+                joined = _joined(other, movers, around)
+                scales[other] = relative_scale(replace(other.clues, beside=joined))
         for label, motion in zip(each.thing.labels, each.thing.motions, strict=True):
             at = (labels == label) & sight.trusted
             nearer = scaled(motion, scale.value)
@@ -183,7 +202,18 @@ def _scaled_world(sight: Sight, stage: _Stage, labels: Labels, found: list[Thing
     )
 
 
-def _beside(seen: _SeenThing, movers: Array, around: Surroundings) -> float | None:
+def _picture(prior: Prior | None, inverse: Array, spread: Array, static: Mask) -> Pictured | None:
+    """Return what the prior says in the unit of the static world; None if nothing ties the two."""
+    if prior is None:
+        return None
+    picture = pictured(prior)
+    found = picture.unit(inverse, spread, static)
+    if found is None:
+        return None
+    return replace(picture, inverse_depth=picture.inverse_depth * found[0])
+
+
+def _joined(seen: _SeenThing, movers: Array, around: Surroundings) -> float | None:
     """Return ln s at which a thing is as near as the moving things that it is joined to."""
     if np.isfinite(movers).sum() < seen.inside.sum() * _BODY:
         return None
@@ -205,9 +235,9 @@ def _static(sight: Sight, labels: Labels, along: Along, least: Array) -> Mask:
 
 
 def _clues(
-    sight: Sight, stage: _Stage, labels: Labels, thing: Thing, still: tuple[Surroundings, float]
+    sight: Sight, stage: _Stage, labels: Labels, thing: Thing, beside: _Beside
 ) -> _SeenThing:
-    """Return what is seen of one thing; `still` is the static world, and its typical depth."""
+    """Return what is seen of one thing."""
     pose = stage.camera.pose
     own = _own_inverse_depth(labels, thing, sight.trusted)
     inside = np.isin(labels, thing.labels) & sight.trusted
@@ -224,17 +254,18 @@ def _clues(
         moved, unsure = sphere.moved(thing.motions[0].pose, pose), sphere.wobble(turn)
     clues = Clues(
         kind=thing.kind,
-        border=border(inside, own, still[0], (labels > 0) & ~np.isin(labels, thing.labels)),
+        border=border(inside, own, beside.around, (labels > 0) & ~np.isin(labels, thing.labels)),
         motion=moved,
         turn=turn,
         wobble=unsure,
         way=pose.rotation.T @ pose.translation,
         floor=stage.floor,
-        typical=still[1],
+        typical=beside.typical,
         size=size,
         rest=None if sphere is None or stage.floor is None else sphere.at_rest(stage.floor),
         foot=None if stage.floor is None else _foot(inside, own, sight.key @ stage.floor.plane),
         tips=_tips(sight, stage, thing, inside),
+        told=None if beside.picture is None else beside.picture.of_thing(inside, own),
     )
     return _SeenThing(thing, inside, own, clues)
 

@@ -20,14 +20,15 @@ depth, which flow tells. A density p(d) becomes s⁻³ p(a/s - b) for s. What fi
 chance is rare, so that staying and level motion, where the camera's way shows them, say more of
 scale than their names promise. Where a ground is seen, its distance below the camera is a measure:
 what moves by itself is about as large as people, animals and cars are beside the height from which
-one looks at them.
+one looks at them. And where a single picture says how near it is, that counts as far as it is to be
+believed of what is on the ground, or in the air.
 
 References:
     Ranftl, Vineet, Chen and Koltun, CVPR 2016 (ordering, and contact by smoothness); Ozden,
     Cornelis, Van Eycken and Van Gool, CVIU 2004 (non-accidental motion).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -36,12 +37,19 @@ from numpy.typing import NDArray
 from flexdepth.solvers.answer import Evidence
 from flexdepth.solvers.clues import HABITS, Clues
 from flexdepth.solvers.motions import motions
+from flexdepth.solvers.pictured import by_picture
 from flexdepth.solvers.places import FEWEST, as_a_part, as_large, places
 
 Array = NDArray[np.float64]
 
 _PART = (1, 3)
 """Where a part of a body is among the places and motions: it hangs on."""
+
+_IN_THE_AIR = 2
+"""And that of what is in the air."""
+
+_TELLS = 0.5
+"""The share of the scale's variance that is left where the picture is what it hangs on."""
 
 _WITHIN = 0.1
 """Confidence is the probability of a scale within this part of the one that is said."""
@@ -76,30 +84,60 @@ def relative_scale(clues: Clues, vague: float = 0.7) -> Scale:
     unknown = Scale(float(np.exp(clues.typical)), np.inf, 0.0, Evidence.UNKNOWN)
     if not clues.way.any():
         return unknown
-    habits = HABITS[clues.kind]
-    grid, by_place = places(clues, habits)
-    by_motion, size = motions(clues, habits, grid), as_large(clues, grid)
-    parts = {
-        (place, motion): habits.joint[place][motion] * by_place[place] * by_motion[motion] * size
-        for place, motion in product(range(len(by_place)), range(len(by_motion)))
-    }
-    parts[_PART] = habits.part * as_a_part(clues, grid) * by_motion[2]
+    grid, parts = _posterior(clues)
     density = np.sum(list(parts.values()), axis=0)
     total = float(density.sum())
     if not total > 0:
         return unknown
     density /= total
     middle = least_error(grid, density)
-    spread = float(np.sqrt((density * (grid - middle) ** 2).sum()))
+    spread = _spread(grid, density, middle)
     confidence = float(density[np.abs(grid - middle) < _WITHIN].sum())
     share = {pair: float(part.sum()) / total for pair, part in parts.items()}
     evidence = _evidence(share, len(clues.border) >= FEWEST and spread < vague)
+    if clues.told is not None:
+        evidence = _or_prior(evidence, spread, clues)
     return Scale(
         float(np.exp(middle)),
         np.inf if evidence is Evidence.UNKNOWN else spread,
         0.0 if evidence is Evidence.UNKNOWN else confidence,
         evidence,
     )
+
+
+def _posterior(clues: Clues) -> tuple[Array, dict[tuple[int, int], Array]]:
+    """Return the grid of ln s, and on it how likely each place is with each motion."""
+    habits = HABITS[clues.kind]
+    grid, by_place = places(clues, habits)
+    by_motion, size = motions(clues, habits, grid), as_large(clues, grid)
+    part = as_a_part(clues, grid)
+    if clues.told is not None:
+        grounded, flying = by_picture(clues.told, grid)
+        told = [flying if place == _IN_THE_AIR else grounded for place in range(len(by_place))]
+        by_place = [density * likely for density, likely in zip(by_place, told, strict=True)]
+        part = part * grounded
+    parts = {
+        (place, motion): habits.joint[place][motion] * by_place[place] * by_motion[motion] * size
+        for place, motion in product(range(len(by_place)), range(len(by_motion)))
+    }
+    parts[_PART] = habits.part * part * by_motion[2]
+    return grid, parts
+
+
+def _spread(grid: Array, density: Array, middle: float) -> float:
+    return float(np.sqrt((density * (grid - middle) ** 2).sum() / density.sum()))
+
+
+def _or_prior(evidence: Evidence, spread: float, clues: Clues) -> Evidence:
+    """Return PRIOR where the picture halves the variance, or without it nothing is known."""
+    if evidence is Evidence.UNKNOWN:
+        return Evidence.PRIOR
+    grid, parts = _posterior(replace(clues, told=None))
+    density = np.sum(list(parts.values()), axis=0)
+    if not density.any():
+        return Evidence.PRIOR
+    alone = _spread(grid, density, least_error(grid, density))
+    return Evidence.PRIOR if spread**2 < _TELLS * alone**2 else evidence
 
 
 def least_error(grid: Array, density: Array) -> float:
