@@ -40,7 +40,7 @@ _BOUND = 0.6
 _SURE = 0.3
 """The share of a foot's lower border that ground is seen below at least."""
 
-_VAGUE = 0.25
+_VAGUE = 0.15
 """Where the foot is not seen, what is below a thing falls short of a contact, in ln s."""
 
 _BELOW, _DEEP = 0.47, 0.4
@@ -50,7 +50,7 @@ ln s, and the deviation."""
 _COVERED = 0.3
 """How often ground seems to be seen all along below what hides its foot."""
 
-_OVER, _LOOSE = 0.9, 0.6
+_OVER, _LOOSE = 0.7, 0.6
 """What is in the air is nearer than what it hides by about this, in ln s, and its deviation."""
 
 _ABOVE = 0.2

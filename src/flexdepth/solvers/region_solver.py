@@ -38,7 +38,7 @@ _BODY = 0.2
 _LOWEST = 0.05
 """The rows that are the lowest part of a thing, as a part of all."""
 
-_TELLS = (Evidence.CONTACT, Evidence.MOTION)
+_TELLS = (Evidence.CONTACT, Evidence.MOTION, Evidence.PRIOR)
 """What tells enough of a thing's scale that those of its parts may hang on it."""
 
 _PULLS = 3.0

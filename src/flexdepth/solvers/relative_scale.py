@@ -48,8 +48,8 @@ _PART = (1, 3)
 _IN_THE_AIR = 2
 """And that of what is in the air."""
 
-_TELLS = 0.5
-"""The share of the scale's variance that is left where the picture is what it hangs on."""
+_LEFT = 0.5
+"""The share of the variance that the picture leaves at most, if it is what the scale hangs on."""
 
 _WITHIN = 0.1
 """Confidence is the probability of a scale within this part of the one that is said."""
@@ -137,7 +137,7 @@ def _or_prior(evidence: Evidence, spread: float, clues: Clues) -> Evidence:
     if not density.any():
         return Evidence.PRIOR
     alone = _spread(grid, density, least_error(grid, density))
-    return Evidence.PRIOR if spread**2 < _TELLS * alone**2 else evidence
+    return Evidence.PRIOR if spread**2 < _LEFT * alone**2 else evidence
 
 
 def least_error(grid: Array, density: Array) -> float:
