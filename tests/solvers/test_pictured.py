@@ -6,7 +6,7 @@ import pytest
 from flexdepth.solvers.pictured import by_picture, pictured
 from flexdepth.solvers.seen import Prior
 
-GRID = np.arange(-8.0, 8.0, 0.01)
+GRID = np.arange(-15.0, 15.0, 0.01)
 
 
 def spread_over(depth, doubt=0.1):
@@ -70,3 +70,10 @@ def test_what_is_on_the_ground_is_where_the_picture_says_what_flies_is_nearer():
 def test_more_doubt_says_less():
     sure, unsure = (by_picture((0.0, doubt), GRID)[0] for doubt in (0.0, 1.0))
     assert sure.max() > 2 * unsure.max()
+
+
+def test_what_flies_before_the_sky_is_not_drawn_into_it():
+    # Said to be 30 and 60 times as far as it may be: hardly a reason to put it any farther.
+    _, flying = by_picture((0.0, 0.2), GRID)
+    near, nearer = np.searchsorted(GRID, np.log([30.0, 60.0]))
+    assert flying[near] < 3 * flying[nearer]

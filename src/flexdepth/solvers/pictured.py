@@ -20,12 +20,14 @@ _ERRS, _DOUBTED = 0.2, 0.5
 """Deviation of ln s of what is on the ground by a picture that has no doubt, and what each unit of
 its doubt adds, as the root of the sum of squares: pixels of a thing share some of their error."""
 
-_MISSED, _AWAY, _ASTRAY = 0.2, 0.2, 0.5
-"""The share of such things that the picture has not made out, by how much it puts these too far,
-and the deviation."""
+_MISSED = 0.2
+"""The share of things that the picture has not made out."""
 
-_BEHIND, _ANYHOW = 0.5, 1.0
-"""By how much it puts too far what is in the air, and the deviation."""
+_AWAY, _ASTRAY = 0.2, 0.5
+"""By how much it puts such things on the ground too far, and the deviation."""
+
+_BEHIND, _LOOSE, _ANYWHERE = 0.5, 1.0, 3.0
+"""By how much it puts too far what is in the air, the deviation, and that of what it missed."""
 
 _LEAST_SPREAD = 0.02
 """Relative: what is seen better than this tells a picture's unit no better for it."""
@@ -88,4 +90,6 @@ def by_picture(told: tuple[float, float], grid: Array) -> tuple[Array, Array]:
     nearer = told[0] - grid
     made_out = normal(nearer, float(np.hypot(_ERRS, _DOUBTED * told[1])))
     grounded = (1 - _MISSED) * made_out + _MISSED * normal(nearer + _AWAY, _ASTRAY)
-    return grounded, normal(nearer + _BEHIND, _ANYHOW)
+    behind = nearer + _BEHIND
+    flying = (1 - _MISSED) * normal(behind, _LOOSE) + _MISSED * normal(behind, _ANYWHERE)
+    return grounded, flying
