@@ -228,6 +228,17 @@ def test_the_prior_carries_what_geometry_does_not_and_its_share_is_shown():
     assert not found.metric
 
 
+def test_the_prior_tells_how_near_a_thing_is_that_neither_contact_nor_motion_bind():
+    # It rises and comes nearer: at no scale does it stay or move level.
+    seen = view(TURN, STEP, Box(), (0.1, -0.1, 0.2))
+    alone, found = (two_frame(seen.seen(prior=each), REGIONS) for each in (None, bumpy(seen)))
+    shown = seen.mover & ~seen.hidden
+    assert abs_rel(found.depth, seen.depth, shown) < 0.1 * abs_rel(alone.depth, seen.depth, shown)
+    assert alone.regions[1].evidence is Evidence.ORDERING
+    assert found.regions[1].evidence is Evidence.PRIOR
+    assert found.regions[1].scale_spread < alone.regions[1].scale_spread
+
+
 def test_a_far_wall_that_the_prior_has_wrong_stays_where_its_parallax_puts_it():
     seen = view(TURN, 0.2 * STEP)
     wall = seen.depth == worlds.WALL
