@@ -47,16 +47,20 @@ class Epipolar:
         return np.asarray(product / length / self.noise * np.sqrt(2))[:, None]
 
     def jacobian(self, state: Pose) -> Array:
-        """Return n x 1 x 5: with r = p / l, dr = (dp - r dl) / l."""
+        """Return n x 1 x 5.
+
+        With r = p / l and q = p / l², dr = (dp - q l dl) / l, and both dp and l dl are linear in
+        dE: each residual has one 3 x 3 gradient by E, whatever E may change by.
+        """
         product, in_target, in_key = self._parts(essential(state))
         length = _length(in_target, in_key)
-        columns = []
-        for change in _changes(state):
-            along, target_change, key_change = self._parts(change)
-            longer = (dot(in_target, target_change) + dot(in_key, key_change)) / length
-            columns.append((along - product / length * longer) / length)
-        stacked = np.stack(columns, axis=1) / self.noise[:, None] * np.sqrt(2)
-        return np.asarray(stacked)[:, None, :]
+        share = (product / length**2)[:, None] / self.focal
+        left, right = self.target.T.copy(), (share * in_key).T
+        left[:2] -= (share * in_target).T
+        by_matrix = left[:, None] * self.key.T
+        by_matrix[:, :2] -= self.target.T[:, None] * right
+        by_step = np.reshape(_changes(state), (-1, 9)) @ by_matrix.reshape(9, -1)
+        return np.asarray(by_step * (np.sqrt(2) / (length * self.noise))).T[:, None, :]
 
     def moved(self, state: Pose, step: Array) -> Pose:
         """Return the pose after a step."""
