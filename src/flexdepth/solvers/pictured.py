@@ -45,15 +45,15 @@ class Pictured:
     inverse_depth: Array
     doubt: Array
 
-    def unit(self, seen: Array, spread: Array, still: Mask) -> tuple[float, float] | None:
-        """Return the factor to the unit of what is seen of the static world, as `common_factor`.
+    def unit(self, seen: Array, spread: Array, where: Mask) -> tuple[float, float] | None:
+        """Return the factor to the unit of what is seen, as `common_factor`.
 
         Args:
             seen: Inverse depth; NaN is unknown.
             spread: Its relative standard deviation.
-            still: The static world.
+            where: What has one unit: the static world, or a region.
         """
-        certain = still / np.maximum(spread, _LEAST_SPREAD) ** 2
+        certain = where / np.maximum(spread, _LEAST_SPREAD) ** 2
         return common_factor(self.inverse_depth, seen, certain)
 
     def of_thing(self, inside: Mask, own: Array) -> tuple[float, float] | None:

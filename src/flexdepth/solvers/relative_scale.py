@@ -28,7 +28,7 @@ References:
     Cornelis, Van Eycken and Van Gool, CVIU 2004 (non-accidental motion).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -85,18 +85,24 @@ def relative_scale(clues: Clues, vague: float = 0.7) -> Scale:
     if not clues.way.any():
         return unknown
     grid, parts = _posterior(clues)
+    alone = np.sum(list(parts.values()), axis=0)
+    if clues.told is not None:
+        grounded, flying = by_picture(clues.told, grid)
+        parts = {
+            pair: part * (flying if pair[0] == _IN_THE_AIR else grounded)
+            for pair, part in parts.items()
+        }
     density = np.sum(list(parts.values()), axis=0)
     total = float(density.sum())
     if not total > 0:
         return unknown
-    density /= total
-    middle = least_error(grid, density)
-    spread = _spread(grid, density, middle)
-    confidence = float(density[np.abs(grid - middle) < _WITHIN].sum())
+    middle, spread = _middle(grid, density)
+    confidence = float(density[np.abs(grid - middle) < _WITHIN].sum()) / total
     share = {pair: float(part.sum()) / total for pair, part in parts.items()}
     evidence = _evidence(share, len(clues.border) >= FEWEST and spread < vague)
     if clues.told is not None:
-        evidence = _or_prior(evidence, spread, clues)
+        telling = spread**2 < _LEFT * _middle(grid, alone)[1] ** 2
+        evidence = Evidence.PRIOR if telling or evidence is Evidence.UNKNOWN else evidence
     return Scale(
         float(np.exp(middle)),
         np.inf if evidence is Evidence.UNKNOWN else spread,
@@ -106,38 +112,22 @@ def relative_scale(clues: Clues, vague: float = 0.7) -> Scale:
 
 
 def _posterior(clues: Clues) -> tuple[Array, dict[tuple[int, int], Array]]:
-    """Return the grid of ln s, and on it how likely each place is with each motion."""
+    """Return the grid of ln s, and on it each place with each motion, as the frames tell them."""
     habits = HABITS[clues.kind]
     grid, by_place = places(clues, habits)
     by_motion, size = motions(clues, habits, grid), as_large(clues, grid)
-    part = as_a_part(clues, grid)
-    if clues.told is not None:
-        grounded, flying = by_picture(clues.told, grid)
-        told = [flying if place == _IN_THE_AIR else grounded for place in range(len(by_place))]
-        by_place = [density * likely for density, likely in zip(by_place, told, strict=True)]
-        part = part * grounded
     parts = {
         (place, motion): habits.joint[place][motion] * by_place[place] * by_motion[motion] * size
         for place, motion in product(range(len(by_place)), range(len(by_motion)))
     }
-    parts[_PART] = habits.part * part * by_motion[2]
+    parts[_PART] = habits.part * as_a_part(clues, grid) * by_motion[2]
     return grid, parts
 
 
-def _spread(grid: Array, density: Array, middle: float) -> float:
-    return float(np.sqrt((density * (grid - middle) ** 2).sum() / density.sum()))
-
-
-def _or_prior(evidence: Evidence, spread: float, clues: Clues) -> Evidence:
-    """Return PRIOR where the picture halves the variance, or without it nothing is known."""
-    if evidence is Evidence.UNKNOWN:
-        return Evidence.PRIOR
-    grid, parts = _posterior(replace(clues, told=None))
-    density = np.sum(list(parts.values()), axis=0)
-    if not density.any():
-        return Evidence.PRIOR
-    alone = _spread(grid, density, least_error(grid, density))
-    return Evidence.PRIOR if spread**2 < _LEFT * alone**2 else evidence
+def _middle(grid: Array, density: Array) -> tuple[float, float]:
+    """Return `least_error`, and the standard deviation about it; the density may have any sum."""
+    middle = least_error(grid, density)
+    return middle, float(np.sqrt((density * (grid - middle) ** 2).sum() / density.sum()))
 
 
 def least_error(grid: Array, density: Array) -> float:
